@@ -1,0 +1,102 @@
+"""airlight renders volumes: CT, MRI, microscopy, simulations.
+
+>>> import airlight as al
+>>> image = al.render("head.nii.gz", size=(1024, 1024))    # doctest: +SKIP
+>>> image.save("head.png")                                 # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .api import devices, edit, explain, render, warm_up
+from .errors import (
+    AirlightError,
+    DataError,
+    DeviceError,
+    FileError,
+    LimitError,
+    MissingExtraError,
+    ShaderError,
+    StageError,
+    ValueRangeError,
+)
+from .first_picture import first_picture
+from .scene import Camera, Layer, Light, Look, Scene, fit_camera
+from .stage import Stage, param, register, static
+from .stages import camera, driver, field, gradient, integrate, lighting, shade, tone, transfer, visibility
+from .transfer import TransferFunction
+from .volume import Volume, statistics
+
+if TYPE_CHECKING:
+    from . import samples
+    from .io import open, save
+    from .render.image import Image
+    from .render.renderer import Renderer
+
+__version__ = "0.1.0.dev0"
+
+__all__ = [
+    "AirlightError",
+    "Camera",
+    "DataError",
+    "DeviceError",
+    "FileError",
+    "Image",
+    "Layer",
+    "Light",
+    "LimitError",
+    "Look",
+    "MissingExtraError",
+    "Renderer",
+    "Scene",
+    "ShaderError",
+    "Stage",
+    "StageError",
+    "TransferFunction",
+    "ValueRangeError",
+    "Volume",
+    "camera",
+    "devices",
+    "driver",
+    "edit",
+    "explain",
+    "field",
+    "first_picture",
+    "fit_camera",
+    "gradient",
+    "integrate",
+    "lighting",
+    "open",
+    "param",
+    "register",
+    "render",
+    "samples",
+    "save",
+    "shade",
+    "static",
+    "statistics",
+    "tone",
+    "transfer",
+    "visibility",
+    "warm_up",
+]
+
+# What loads the device or the readers is imported when it is first asked for.
+_LAZY = {
+    "Image": ("airlight.render.image", "Image"),
+    "Renderer": ("airlight.render.renderer", "Renderer"),
+    "open": ("airlight.io", "open"),
+    "save": ("airlight.io", "save"),
+    "samples": ("airlight.samples", ""),
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LAZY:
+        raise AttributeError(f"module 'airlight' has no attribute {name!r}")
+    from importlib import import_module
+
+    module, attribute = _LAZY[name]
+    found = import_module(module)
+    return getattr(found, attribute) if attribute else found

@@ -1,0 +1,121 @@
+"""The functions that users call first: ``render``, ``explain``, ``devices``, ``warm_up``."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+from .errors import ValueRangeError
+from .first_picture import first_picture
+from .scene import Look, Scene
+from .stage import Stage
+from .volume import Volume
+
+if TYPE_CHECKING:
+    from .gpu.device import DeviceInfo
+    from .gpu.textures import Progress
+    from .render.image import Image
+
+LOOK_SLOTS = ("field", "gradient", "transfer", "shade", "lighting", "visibility", "integrate", "tone")
+
+
+def render(
+    what: Any,
+    size: tuple[int, int] = (512, 512),
+    *,
+    driver: str | Stage = "march",
+    step: float = 1.0,
+    skip: str = "auto",
+    device: str | int | None = None,
+    progress: Progress | None = None,
+) -> Image:
+    """Draw a scene, a volume or a file.
+
+    Parameters
+    ----------
+    what
+        A ``Scene``; or a ``Volume``, an array, an image of nibabel, SimpleITK or xarray, or a path, which get a good first
+        picture: transfer function, view and lights chosen from the data.
+    size
+        Width and height in pixels.
+    driver
+        What walks through the volume, by name or as a stage.
+    step
+        Distance between samples, in smallest voxel spacings.
+    skip
+        How empty space is skipped; never changes the image.
+    device
+        Number, kind or part of the name of an adapter; None takes the best.
+    progress
+        Called with what is done, how much of it, and how much there is.
+
+    Returns
+    -------
+    Image
+        ``.rgba``, ``.rgb``, ``.depth``, ``.stats``, ``.save(path)``.
+
+    Raises
+    ------
+    AirlightError
+        For files that cannot be read, data that cannot be drawn, parameters out of range, and devices that fail.
+
+    Examples
+    --------
+    >>> import airlight as al, numpy as np
+    >>> z, y, x = np.mgrid[-1:1:32j, -1:1:32j, -1:1:32j]
+    >>> image = al.render(np.exp(-4 * (x**2 + y**2 + z**2)), size=(64, 64))
+    >>> image.rgba.shape
+    (64, 64, 4)
+    """
+    from .render.renderer import shared
+
+    scene = as_scene(what, size, progress)
+    return shared(device).render(scene, size, driver=driver, step=step, skip=skip, progress=progress)
+
+
+def as_scene(what: Any, size: tuple[int, int] = (512, 512), progress: Progress | None = None) -> Scene:
+    """Scene of a scene, or the good first picture of a volume, an array or a file."""
+    if isinstance(what, Scene):
+        return what
+    if isinstance(what, (str, os.PathLike)):
+        from . import io
+
+        what = io.open(what, progress=progress)
+    volume = what if isinstance(what, Volume) else Volume(what)
+    return first_picture(volume, size)
+
+
+def explain(what: Any, size: tuple[int, int] = (512, 512), *, driver: str | Stage = "march") -> str:
+    """Return the linked program of a scene: where each part comes from, offsets of parameters, and the key of the cache."""
+    from .render.renderer import shared
+
+    program = shared().explain(as_scene(what, size), size, driver)
+    return f"// key: {program.key}\n{program.linked.text}"
+
+
+def devices(wanted: str | None = None) -> list[DeviceInfo]:
+    """Adapters of this machine; the one that would be used is marked as chosen."""
+    from .gpu.device import devices as listed
+
+    return listed(wanted)
+
+
+def warm_up(device: str | int | None = None) -> None:
+    """Open the device in the background, so that the first frame finds it ready; returns at once."""
+    from .render.renderer import shared
+
+    shared(device).warm_up()
+
+
+def edit(look: Look, path: str, value: Any) -> Look:
+    """Return a look with one parameter changed, e.g. ``edit(look, "integrate.opaque_at", 0.9)``."""
+    from dataclasses import replace
+
+    slot, _, name = path.partition(".")
+    if slot not in LOOK_SLOTS:
+        raise ValueRangeError("path", f"is {path!r}", "begin it with one of " + ", ".join(LOOK_SLOTS))
+    stage = getattr(look, slot)
+    if name and name not in set(stage.__dataclass_fields__):
+        raise ValueRangeError("path", f"is {path!r}", f"{stage.name} has {', '.join(stage.__dataclass_fields__) or 'nothing'}")
+    changed = replace(stage, **{name: value}) if name else value
+    return Look(**{s: changed if s == slot else getattr(look, s) for s in LOOK_SLOTS})

@@ -1,0 +1,172 @@
+"""From what was typed to what is drawn: the scene, the size, and the arguments of ``airlight.render``."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..errors import ValueRangeError
+from ..first_picture import first_picture
+from ..scene import VIEWS, Camera, Layer, Look, Scene, fit_camera
+from ..stage import Stage
+from ..stages.camera import Orthographic, Perspective
+from ..volume import Volume
+from .options import SLOTS, DrawOptions, LookOptions, ReadOptions, ViewOptions
+from .parse import (
+    parse_background,
+    parse_bytes,
+    parse_camera,
+    parse_shape,
+    parse_size,
+    parse_spacing,
+    parse_stage,
+    parse_transfer,
+)
+from .presets import preset_function, projection_function
+from .progress import ProgressBar
+
+SIZE = (512, 512)
+PROJECTIONS = ("mip", "minip", "mean")
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene with the size of its image and further arguments of ``airlight.render``: driver, step, skip."""
+
+    scene: Scene
+    size: tuple[int, int]
+    arguments: dict[str, Any]
+
+
+def is_scene(path: str) -> bool:
+    """Whether a path names a scene file."""
+    return path.lower().endswith(".toml")
+
+
+def open_input(path: str, read: ReadOptions, progress: ProgressBar | None = None) -> Volume:
+    """Open a volume as the options tell."""
+    from .. import io
+
+    return io.open(
+        path,
+        dataset=read.dataset,
+        level=read.level,
+        shape=None if read.shape is None else parse_shape(read.shape),
+        dtype=read.dtype,
+        spacing=None if read.spacing is None else parse_spacing(read.spacing),
+        offset=read.offset,
+        big_endian=read.big_endian,
+        max_memory=parse_bytes(read.max_memory),
+        progress=progress,
+    )
+
+
+def make_job(
+    path: str, look: LookOptions, view: ViewOptions, draw: DrawOptions, read: ReadOptions, progress: ProgressBar | None = None
+) -> Job:
+    """Make what is drawn of a volume or a scene file; options take the place of what the file says.
+
+    Everything typed is parsed before a file is opened, so that slips show at once.
+    """
+    size = None if view.size is None else parse_size(view.size)
+    stages = {slot: parse_stage(slot, text) for slot in SLOTS if (text := getattr(look, slot)) is not None}
+    function = None if look.tf is None else parse_transfer(look.tf)
+    if look.tf is not None and look.preset is not None:
+        raise ValueRangeError("--tf", "and --preset exclude each other", "leave one of them out")
+    camera = None if view.camera is None else parse_camera(view.camera)
+    arguments = _draw_arguments(draw)
+    changes: dict[str, Any] = {} if camera is None else {"camera": camera}
+    if view.background is not None:
+        changes["background"] = parse_background(view.background)
+    if is_scene(path):
+        scene, options = _load(path, read, progress)
+        arguments = {key: value for key, value in options.items() if key in ("driver", "step", "skip")} | arguments
+        size = size or options.get("size") or SIZE
+    else:
+        size = size or SIZE
+        scene = _picture_of(open_input(path, read, progress), size, look)
+    layers = tuple(_with_look(layer, look, stages) for layer in scene.layers)
+    if function is not None:
+        layers = tuple(dataclasses.replace(layer, transfer=function) for layer in layers)
+    scene = dataclasses.replace(scene, layers=layers, **changes)
+    return Job(orthographic(scene, size) if view.orthographic else scene, size, arguments)
+
+
+def _draw_arguments(draw: DrawOptions) -> dict[str, Any]:
+    arguments: dict[str, Any] = {key: value for key in ("step", "skip") if (value := getattr(draw, key)) is not None}
+    if draw.step is not None and not (math.isfinite(draw.step) and draw.step > 0):
+        raise ValueRangeError("--step", f"is {draw.step}, must be above 0")
+    if draw.driver is not None or draw.offsets is not None:
+        driver = parse_stage("driver", draw.driver or "march")
+        if draw.offsets is not None:
+            driver = _with_offsets(driver, draw.offsets)
+        arguments["driver"] = driver
+    return arguments
+
+
+def _with_offsets(driver: Stage, offsets: str) -> Stage:
+    if not any(f.name == "offsets" for f in dataclasses.fields(driver)):  # type: ignore[arg-type]
+        raise ValueRangeError("--offsets", f"is given, but the driver {driver.name} has none", "use --driver march")
+    changed: Stage = dataclasses.replace(driver, offsets=offsets)  # type: ignore[type-var]
+    return changed
+
+
+def _load(path: str, read: ReadOptions, progress: ProgressBar | None) -> tuple[Scene, Any]:
+    from ..scene_file import load_scene
+
+    limits = {"max_memory": "8G"}
+    for field in dataclasses.fields(read):
+        if field.name not in limits and getattr(read, field.name) != field.default:
+            name = field.name.replace("_", "-")
+            raise ValueRangeError(f"--{name}", "tells how to read a volume", "a scene file tells it itself, layer by layer")
+    return load_scene(path, max_memory=parse_bytes(read.max_memory), progress=progress)
+
+
+def _picture_of(volume: Volume, size: tuple[int, int], look: LookOptions) -> Scene:
+    """Return the scene of a good first picture, of the channel and time step that are asked for."""
+    scene = first_picture(volume, size)
+    if look.channel is None and look.time is None:
+        return scene
+    # The function was chosen for the first channel and time step; None chooses again.
+    return dataclasses.replace(scene, layers=tuple(dataclasses.replace(layer, transfer=None) for layer in scene.layers))
+
+
+def _channel(look: LookOptions) -> int | str:
+    text = look.channel or "0"
+    return int(text) if text.isdecimal() else text
+
+
+def _with_look(layer: Layer, look: LookOptions, stages: dict[str, Stage]) -> Layer:
+    changes: dict[str, Any] = {}
+    if stages:
+        changes["look"] = Look(**{slot: stages.get(slot, getattr(layer.look, slot)) for slot in SLOTS})
+    if look.channel is not None:
+        changes["channel"] = _channel(look)
+    if look.time is not None:
+        changes["time"] = look.time
+    channel, time = changes.get("channel", layer.channel), changes.get("time", layer.time)
+    if look.preset is not None:
+        changes["transfer"] = preset_function(look.preset, layer.volume, channel, time)
+    elif "integrate" in stages and stages["integrate"].name in PROJECTIONS:
+        changes["transfer"] = projection_function(layer.volume, channel, time)
+    return dataclasses.replace(layer, **changes) if changes else layer
+
+
+def orthographic(scene: Scene, size: tuple[int, int]) -> Scene:
+    """Return the scene with parallel rays; the image shows what the perspective one shows at its target."""
+    camera = scene.camera
+    if isinstance(camera, str):
+        assert camera in VIEWS
+        corners = np.concatenate([layer.volume.corners_world() for layer in scene.visible_layers or scene.layers])
+        camera = fit_camera(camera, corners, size[0] / size[1])
+    if isinstance(camera, Orthographic):
+        return scene
+    if not isinstance(camera, Perspective):
+        raise ValueRangeError("--orthographic", f"does not go with the camera {camera.name}", "leave it out")
+    height = 2 * math.dist(camera.eye, camera.target) * math.tan(math.radians(camera.fov_deg) / 2)
+    parallel = Camera.orthographic(eye=camera.eye, target=camera.target, up=camera.up, height=height)
+    return dataclasses.replace(scene, camera=parallel)

@@ -1,0 +1,136 @@
+"""Options that several commands share; cyclopts makes them of these dataclasses.
+
+Annotations are values here and in the commands, not text: cyclopts would have to compile each.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from cyclopts import Group, Parameter
+
+from ..scene import VIEWS
+from .parse import choices
+from .presets import PRESETS
+
+LOOK = Group("Look", sort_key=1)
+VIEW = Group("View", sort_key=2)
+DRAW = Group("Drawing", sort_key=3)
+READ = Group("Reading", sort_key=4)
+
+SLOTS = ("field", "gradient", "transfer", "shade", "lighting", "visibility", "integrate", "tone")
+
+
+def _stage(slot: str, what: str, example: str = "") -> Parameter:
+    return Parameter(group=LOOK, help=f"{what}: {choices(slot)}." + (f" E.g. {example}" if example else ""), metavar="STAGE")
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class LookOptions:
+    """Transfer function and stages; stages take parameters as in ``blinn_phong:ambient=0.2`` (see ``airlight stages``)."""
+
+    preset: Annotated[
+        str | None, Parameter(group=LOOK, metavar="NAME", help=f"A transfer function made ready: {', '.join(PRESETS)}.")
+    ] = None
+    tf: Annotated[
+        str | None,
+        Parameter(
+            group=LOOK,
+            metavar="FUNCTION",
+            help="Transfer function: a .toml or .json file, or points VALUE:COLOUR:EXTINCTION (extinction per world unit), "
+            'e.g. "0:black:0 300:#ffaa88:0.02 1200:white:0.5".',
+        ),
+    ] = None
+    field: Annotated[str | None, _stage("field", "Reconstruction")] = None
+    gradient: Annotated[str | None, _stage("gradient", "Gradients", "precomputed:method=sobel")] = None
+    transfer: Annotated[str | None, _stage("transfer", "Classification")] = None
+    shade: Annotated[str | None, _stage("shade", "Shading", "blinn_phong:ambient=0.2,shininess=40")] = None
+    lighting: Annotated[str | None, _stage("lighting", "Where a slab is lit")] = None
+    visibility: Annotated[str | None, _stage("visibility", "Shadows")] = None
+    integrate: Annotated[str | None, _stage("integrate", "What is gathered along a ray", "first_hit:iso=300")] = None
+    tone: Annotated[str | None, _stage("tone", "Tone mapping", "reinhard:key=0.18,exposure=1")] = None
+    channel: Annotated[str | None, Parameter(group=LOOK, help="Channel, by number (from 0) or name.")] = None
+    time: Annotated[int | None, Parameter(group=LOOK, help="Time step, from 0.")] = None
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class ViewOptions:
+    """Camera, background and size of the image."""
+
+    size: Annotated[
+        str | None, Parameter(group=VIEW, metavar="WxH", help="Width and height in pixels; 512x512 unless told.")
+    ] = None
+    camera: Annotated[
+        str | None,
+        Parameter(
+            group=VIEW,
+            metavar="VIEW",
+            allow_leading_hyphen=True,
+            help=f'{", ".join(VIEWS)}, or "ex,ey,ez,tx,ty,tz": eye and target in the world; three more numbers give up.',
+        ),
+    ] = None
+    orthographic: Annotated[bool, Parameter(group=VIEW, negative="", help="Parallel rays.")] = False
+    background: Annotated[
+        str | None,
+        Parameter(group=VIEW, metavar="COLOUR", help="CSS name, #rrggbb, linear r,g,b, or none for transparent."),
+    ] = None
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class DrawOptions:
+    """How the picture is computed."""
+
+    driver: Annotated[
+        str | None,
+        Parameter(group=DRAW, metavar="STAGE", help=f"What walks through the volume: {choices('driver')}; march unless told."),
+    ] = None
+    step: Annotated[
+        float | None, Parameter(group=DRAW, help="Length of a step in voxels (the smallest spacing); 1 unless told.")
+    ] = None
+    skip: Annotated[
+        Literal["auto", "none", "blocks", "geometry"] | None,
+        Parameter(group=DRAW, help="Skipping of empty space; never changes the image."),
+    ] = None
+    offsets: Annotated[
+        Literal["none", "interleaved"] | None,
+        Parameter(
+            group=DRAW, help="Offsets of the samples from pixel to pixel, by the driver march: fewer rings, a little noise."
+        ),
+    ] = None
+    device: Annotated[
+        str | None, Parameter(group=DRAW, metavar="NAME", help="Adapter, by a part of its name or kind (see airlight devices).")
+    ] = None
+    plugin: Annotated[
+        tuple[str, ...],
+        Parameter(
+            group=DRAW,
+            metavar="FILE_OR_MODULE",
+            negative="",
+            consume_multiple=False,
+            help="Python code that registers stages (al.register); repeatable.",
+        ),
+    ] = ()
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class ReadOptions:
+    """What a reader cannot know, and its limits."""
+
+    dataset: Annotated[str, Parameter(group=READ, help="Array within the file (HDF5, NetCDF, npz, DICOM series ...).")] = ""
+    level: Annotated[int, Parameter(group=READ, help="Level of a pyramid; 0 is the finest.")] = 0
+    shape: Annotated[str | None, Parameter(group=READ, metavar="XxYxZ", help="Voxels of a raw file.")] = None
+    dtype: Annotated[str, Parameter(group=READ, help="Type of a raw file's samples, e.g. uint8, int16, float32.")] = ""
+    spacing: Annotated[
+        str | None,
+        Parameter(group=READ, metavar="X,Y,Z", help="World size of a voxel, for raw files and others that do not say."),
+    ] = None
+    offset: Annotated[int, Parameter(group=READ, help="Bytes before the samples of a raw file.")] = 0
+    big_endian: Annotated[
+        bool, Parameter(group=READ, negative="", help="Samples of a raw file have their high byte first.")
+    ] = False
+    max_memory: Annotated[
+        str, Parameter(group=READ, metavar="SIZE", help="Most that a file may unpack to, e.g. 500M; 8G unless told.")
+    ] = "8G"

@@ -1,0 +1,143 @@
+"""What is typed behind options, made into values; each error names its option."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from typing import Any
+
+from .. import stages as _stages  # noqa: F401  (makes the names of the stages known)
+from ..errors import ValueRangeError
+from ..scene import VIEWS, Camera
+from ..scene_file import load_transfer, stage_from_values
+from ..stage import STAGES, Stage
+from ..transfer import TransferFunction, linear_rgb
+
+UNITS = {"": 1, "k": 1 << 10, "m": 1 << 20, "g": 1 << 30, "t": 1 << 40}
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Width and height in pixels of ``640x480``, or ``512`` for a square."""
+    match = re.fullmatch(r"(\d{1,6})(?:\s*[xX×,]\s*(\d{1,6}))?", text.strip())
+    if not match or not int(match[1]) or not int(match[2] or match[1]):
+        raise ValueRangeError("--size", f"is {text!r}, must be WIDTHxHEIGHT", "e.g. --size 640x480")
+    return int(match[1]), int(match[2] or match[1])
+
+
+def parse_bytes(text: str, where: str = "--max-memory") -> int:
+    """Bytes of ``4G``, ``500M`` or ``1048576``; units are powers of 1024."""
+    match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([kmgt]?)(?:i?b)?", text.strip().lower())
+    if not match or float(match[1]) <= 0:
+        raise ValueRangeError(where, f"is {text!r}, must be a size", "e.g. 4G or 500M")
+    return int(float(match[1]) * UNITS[match[2]])
+
+
+def parse_numbers(text: str, counts: tuple[int, ...], where: str) -> list[float]:
+    """Finite numbers between commas, as many as one of ``counts``."""
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in counts or not all(math.isfinite(n) for n in numbers):
+        raise ValueRangeError(where, f"is {text!r}, must be {' or '.join(map(str, counts))} numbers with commas between")
+    return numbers
+
+
+def parse_shape(text: str) -> tuple[int, ...]:
+    """Number of voxels ``x,y,z`` (and channels, and times) of a raw file; ``x`` may stand between them, too."""
+    words = re.split(r"\s*[x,×]\s*", text.strip())
+    if not 3 <= len(words) <= 5 or not all(word.isdecimal() and int(word) for word in words):
+        raise ValueRangeError("--shape", f"is {text!r}, must be three to five whole numbers", "e.g. --shape 256x256x128")
+    return tuple(int(word) for word in words)
+
+
+def parse_spacing(text: str) -> tuple[float, float, float]:
+    """World size ``x,y,z`` of a voxel; one number for all three."""
+    numbers = parse_numbers(text, (1, 3), "--spacing")
+    x, y, z = numbers * 3 if len(numbers) == 1 else numbers
+    if min(x, y, z) <= 0:
+        raise ValueRangeError("--spacing", f"is {text!r}, must be above 0")
+    return x, y, z
+
+
+def parse_background(text: str) -> tuple[float, float, float] | None:
+    """Linear colour of a CSS word, ``#rrggbb`` or three linear numbers; None for ``none``."""
+    if text == "none":
+        return None
+    if re.match(r"[\d.]", text):
+        r, g, b = parse_numbers(text, (3,), "--background")
+        return linear_rgb((r, g, b), "--background")
+    return linear_rgb(text, "--background")
+
+
+def parse_camera(text: str) -> Camera | str:
+    """Name of a view, or a camera at ``ex,ey,ez`` that looks to ``tx,ty,tz``, with up ``ux,uy,uz`` behind them if given."""
+    if text in VIEWS:
+        return text
+    if not re.match(r"[\s\d.+-]", text):
+        raise ValueRangeError("--camera", f"is {text!r}, must be one of {', '.join(VIEWS)}, or ex,ey,ez,tx,ty,tz")
+    numbers = parse_numbers(text, (6, 9), "--camera")
+    (ex, ey, ez), (tx, ty, tz), up = numbers[:3], numbers[3:6], numbers[6:]
+    if not up:
+        # Looking straight up or down: as the views top and bottom do.
+        vertical = math.hypot(tx - ex, ty - ey) < 1e-6 * abs(tz - ez)
+        up = [0.0, -1.0, 0.0] if vertical else [0.0, 0.0, 1.0]
+    return Camera.perspective(eye=(ex, ey, ez), target=(tx, ty, tz), up=(up[0], up[1], up[2]))
+
+
+def parse_transfer(text: str) -> TransferFunction:
+    """Transfer function in a file, or ``value:colour:extinction`` triples with spaces between."""
+    if text.lower().endswith((".toml", ".json")):
+        return load_transfer(text)
+    points = []
+    for word in text.split():
+        parts = word.split(":")
+        if len(parts) != 3:
+            example = 'e.g. --tf "0:black:0 300:#ffaa88:0.02 1200:white:0.5"'
+            raise ValueRangeError("--tf", f"has {word!r}, must be VALUE:COLOUR:EXTINCTION or the name of a file", example)
+        try:
+            value, extinction = float(parts[0]), float(parts[2])
+        except ValueError:
+            raise ValueRangeError("--tf", f"has {word!r}, whose value and extinction must be numbers") from None
+        colour = parse_numbers(parts[1], (3,), "--tf") if "," in parts[1] else parts[1]
+        points.append((value, colour, extinction))
+    return TransferFunction(points)
+
+
+def parse_stage(slot: str, text: str) -> Stage:
+    """Stage of ``name`` or ``name:parameter=value,parameter=value``; lists in brackets."""
+    name, colon, rest = text.partition(":")
+    values = _assignments(rest, f"--{slot}") if colon else {}
+    return stage_from_values(slot, name.strip(), values, f"--{slot}")
+
+
+def choices(slot: str) -> str:
+    """Words for a help text: the stages of a slot."""
+    return ", ".join(sorted(STAGES[slot]))
+
+
+def _assignments(text: str, where: str) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for word in re.split(r",(?![^\[]*\])", text):
+        key, equals, value = (part.strip() for part in word.partition("="))
+        if not equals or not key or not value:
+            raise ValueRangeError(where, f"has {word!r}, must be PARAMETER=VALUE", f"e.g. {where} name:parameter=1")
+        if key in values:
+            raise ValueRangeError(f"{where}.{key}", "is given twice")
+        values[key] = _literal(value)
+    return values
+
+
+def _literal(text: str) -> Any:
+    """Number, true or false, or list, as TOML writes them; anything else is text."""
+    number = re.fullmatch(r"([+-]?)(\.?\d.*|\d+\.)", text)  # TOML wants digits round the point
+    candidates = (
+        [text, f"{number[1]}0{number[2]}" if number and number[2].startswith(".") else f"{text}0"] if number else [text]
+    )
+    for candidate in candidates:
+        try:
+            return tomllib.loads(f"v = {candidate}")["v"] if "\n" not in candidate else candidate
+        except tomllib.TOMLDecodeError:
+            continue
+    return text

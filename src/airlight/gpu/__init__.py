@@ -1,0 +1,1 @@
+"""Everything that touches the device; the only room that imports wgpu."""

@@ -1,0 +1,149 @@
+"""Pipelines of linked programs, their bind groups and dispatches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import wgpu
+
+from ..errors import ShaderError
+from ..shader.program import Binding, Program
+from .device import Device
+
+GROUPS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Pipeline:
+    """A compiled program with the layouts of its bind groups."""
+
+    program: Program
+    pipeline: Any
+    layouts: tuple[Any, ...]
+
+
+def pipeline_of(device: Device, program: Program) -> Pipeline:
+    """Compile a program, or return it from the cache.
+
+    Raises
+    ------
+    ShaderError
+        With file and line of the WGSL at fault, and the compiler's words.
+    """
+    key = ("pipeline", program.key)
+    if key not in device.kept:
+        device.kept[key] = _compile(device, program)
+    found: Pipeline = device.kept[key]
+    return found
+
+
+def _compile(device: Device, program: Program) -> Pipeline:
+    layouts = []
+    for group in range(GROUPS):
+        entries = [_layout_entry(device, b) for b in program.bindings if b.group == group]
+        layouts.append(device.gpu.create_bind_group_layout(entries=entries))
+    try:
+        module = device.gpu.create_shader_module(code=program.linked.text)
+        pipeline = device.gpu.create_compute_pipeline(
+            layout=device.gpu.create_pipeline_layout(bind_group_layouts=layouts),
+            compute={"module": module, "entry_point": "main"},
+        )
+    except wgpu.GPUError as error:
+        raise shader_error(program, str(error)) from error
+    return Pipeline(program, pipeline, tuple(layouts))
+
+
+def shader_error(program: Program, message: str) -> ShaderError:
+    """Error of the compiler, with its positions mapped back to files and lines."""
+    explained = program.linked.explain_message(message)
+    first = next((w for w in explained.replace("┌─ ", "\n").split() if w.count(":") == 2 and ".wgsl" in w), "")
+    return ShaderError(first or program.key.root, "does not compile\n" + explained)
+
+
+def _layout_entry(device: Device, binding: Binding) -> dict[str, Any]:
+    entry: dict[str, Any] = {"binding": binding.index, "visibility": wgpu.ShaderStage.COMPUTE}
+    match binding.kind:
+        case "uniform":
+            entry["buffer"] = {"type": "uniform"}
+        case "lights":
+            entry["buffer"] = {"type": "read-only-storage"}
+        case "buffer":
+            entry["buffer"] = {"type": "storage"}
+        case "storage_texture":
+            shape, _, rest = binding.type.removeprefix("texture_storage_").partition("<")
+            entry["storage_texture"] = {"access": "write-only", "format": rest.split(",")[0], "view_dimension": shape}
+        case "table":
+            kind = "float" if device.traits.filters_float32 else "unfilterable-float"
+            entry["texture"] = {"sample_type": kind, "view_dimension": "3d"}
+        case "grid" | "gradients":
+            entry["texture"] = {"sample_type": "float", "view_dimension": "3d"}
+        case "sampler":
+            entry["sampler"] = {"type": "filtering"}
+    return entry
+
+
+def bind_groups(device: Device, pipeline: Pipeline, resources: Mapping[str, Any]) -> list[Any]:
+    """Bind groups 0 to 3; ``resources`` maps the names of bindings to buffers, texture views and samplers."""
+    groups = []
+    for group, layout in enumerate(pipeline.layouts):
+        entries = []
+        for binding in pipeline.program.bindings:
+            if binding.group == group:
+                resource = resources[binding.name]
+                bound = {"buffer": resource} if isinstance(resource, wgpu.GPUBuffer) else resource
+                entries.append({"binding": binding.index, "resource": bound})
+        groups.append(device.gpu.create_bind_group(layout=layout, entries=entries))
+    return groups
+
+
+def dispatch(device: Device, pipeline: Pipeline, groups: list[Any], counts: tuple[int, int, int]) -> None:
+    """Submit one dispatch of workgroups."""
+    encoder = device.gpu.create_command_encoder()
+    compute = encoder.begin_compute_pass()
+    compute.set_pipeline(pipeline.pipeline)
+    for number, group in enumerate(groups):
+        compute.set_bind_group(number, group)
+    compute.dispatch_workgroups(*counts)
+    compute.end()
+    device.queue.submit([encoder.finish()])
+
+
+def buffer(device: Device, name: str, size: int, usage: int) -> Any:
+    """Buffer of at least a size, kept by name for the next frame."""
+    key = ("buffer", name)
+    kept = device.kept.get(key)
+    if kept is None or kept.size < size or kept.size > 4 * size:
+        device.kept[key] = kept = device.gpu.create_buffer(size=-(-size // 16) * 16, usage=usage)
+    return kept
+
+
+def storage_buffer(device: Device, name: str, size: int) -> Any:
+    """Buffer that passes write and the host reads back."""
+    usage = wgpu.BufferUsage
+    return buffer(device, name, size, usage.STORAGE | usage.COPY_SRC | usage.COPY_DST)
+
+
+def write_uniforms(device: Device, name: str, data: bytes) -> Any:
+    """Uniform buffer with this content."""
+    usage = wgpu.BufferUsage
+    target = buffer(device, name, len(data), usage.UNIFORM | usage.COPY_DST)
+    device.queue.write_buffer(target, 0, data)
+    return target
+
+
+def write_storage(device: Device, name: str, data: bytes) -> Any:
+    """Storage buffer for reading, with this content."""
+    usage = wgpu.BufferUsage
+    target = buffer(device, name, len(data), usage.STORAGE | usage.COPY_DST)
+    device.queue.write_buffer(target, 0, data)
+    return target
+
+
+def linear_sampler(device: Device) -> Any:
+    """Sampler that interpolates and clamps to the edge."""
+    key = ("sampler",)
+    if key not in device.kept:
+        device.kept[key] = device.gpu.create_sampler(mag_filter="linear", min_filter="linear")
+    return device.kept[key]

@@ -1,0 +1,157 @@
+"""Textures: which format holds samples of a type and range, and the way of the samples there.
+
+The one place where formats are chosen. Measured on lavapipe: filtered 8-bit textures give 8-bit results, so 8-bit data goes
+as half floats there, which hold whole numbers up to 2048 exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import wgpu
+
+from ..errors import LimitError
+from ..stage import Grid
+from ..volume import is_empty, statistics
+from .device import Device
+
+CHUNK_BYTES = 32 << 20
+EMPTY = np.float32(-3.4e38)
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Encoding:
+    """How samples lie in a texture: ``value = texel * scale + offset``; ``error`` bounds the quantisation, in data units."""
+
+    format: str
+    dtype: str
+    scale: float
+    offset: float
+    error: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeTexture:
+    """A texture with its encoding."""
+
+    texture: Any
+    encoding: Encoding
+    bytes: int
+
+
+def choose_encoding(dtype: np.dtype[Any], low: float, high: float, *, filtered: bool, device: Device) -> Encoding:
+    """Encoding for samples of a type within a range; what is not ``filtered`` by the sampler may use any format."""
+    software, unorm16 = device.info.kind == "software", "texture-format16bit-norm" in device.features
+    float32 = not filtered or device.traits.filters_float32
+    if dtype.kind == "b" or (dtype.kind in "iu" and dtype.itemsize == 1):
+        base = -128.0 if dtype.kind == "i" else 0.0
+        if software and filtered:
+            return Encoding("r16float", "f2", 1.0, 0.0)
+        return Encoding("r8unorm", "u1", 255.0, base)
+    if dtype.kind in "iu" and dtype.itemsize == 2 and unorm16:
+        return Encoding("r16unorm", "u2", 65535.0, -32768.0 if dtype.kind == "i" else 0.0)
+    if dtype == np.float16:
+        return Encoding("r16float", "f2", 1.0, 0.0)
+    if float32:
+        middle = 0.0 if dtype == np.float32 or max(abs(low), abs(high)) < 2**24 else (low + high) / 2
+        exact = dtype == np.float32 or (dtype.kind in "iu" and high - low < 2**24)
+        return Encoding("r32float", "f4", 1.0, middle, 0.0 if exact else max(high - low, abs(high)) * 2.0**-24)
+    # Half floats are densest around zero: centre the range there. Whole numbers up to 2048 stay exact.
+    middle = float(np.round((low + high) / 2)) if dtype.kind in "iu" else (low + high) / 2
+    reach = max(high - middle, middle - low)
+    if dtype.kind in "iu" and reach <= 2048:
+        return Encoding("r16float", "f2", 1.0, middle)
+    scale = reach or 1.0
+    return Encoding("r16float", "f2", scale, middle, scale * 2.0**-12)
+
+
+def encode(part: npt.NDArray[Any], encoding: Encoding) -> npt.NDArray[Any]:
+    """Texels of samples."""
+    if encoding.dtype == "u1":
+        return part.view(np.uint8) if part.dtype.kind in "bu" else part.view(np.uint8) ^ np.uint8(0x80)
+    if encoding.dtype == "u2":
+        return part if part.dtype.kind == "u" else part.view(np.uint16) ^ np.uint16(0x8000)
+    if part.dtype.itemsize == 1 and encoding.dtype == "f2":
+        table = np.arange(256, dtype=np.uint8).view(part.dtype if part.dtype != bool else np.uint8).astype(np.float16)
+        return table[part.view(np.uint8)]
+    if encoding.offset == 0.0 and encoding.scale == 1.0:
+        return part.astype(encoding.dtype, copy=False)
+    centred = part.astype(np.float64) - encoding.offset
+    return (centred / encoding.scale).astype(encoding.dtype)
+
+
+def encode_masked(part: npt.NDArray[Any], no_data: float | None) -> npt.NDArray[np.float32]:
+    """32-bit floats with the mark of ``empty.wgsl`` in place of empty samples."""
+    mask = is_empty(part, no_data)
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows or is not a number is masked or clipped
+        texels = np.clip(part.astype(np.float32), -1e38, 1e38)
+    if mask is not None:
+        texels[mask] = EMPTY
+    return texels
+
+
+def upload_grid(device: Device, grid: Grid, progress: Progress) -> VolumeTexture:
+    """Put one channel at one time step into a 3-D texture, in chunks of whole slices.
+
+    Raises
+    ------
+    LimitError
+        When the grid is larger than the device's textures.
+    """
+    volume, size = grid.volume, grid.volume.size
+    samples = volume.grid(grid.channel, grid.time)
+    check_size(device, size)
+    if grid.masked:
+        encoding = Encoding("r32float", "f4", 1.0, 0.0, 0.0 if samples.dtype.itemsize <= 2 else 2.0**-24)
+    else:
+        known = statistics(volume, grid.channel, grid.time)
+        encoding = choose_encoding(samples.dtype, known.minimum, known.maximum, filtered=grid.filtered, device=device)
+    usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
+    texture = device.gpu.create_texture(size=size, dimension="3d", format=encoding.format, usage=usage)
+    row = size[0] * np.dtype(encoding.dtype).itemsize
+    rows = max(1, CHUNK_BYTES // max(1, row * size[1]))
+    for z in range(0, size[2], rows):
+        part = samples[z : z + rows]
+        part = encode_masked(part, volume.no_data) if grid.masked else encode(part, encoding)
+        device.queue.write_texture(
+            {"texture": texture, "origin": (0, 0, z)},
+            np.ascontiguousarray(part),
+            {"bytes_per_row": row, "rows_per_image": size[1]},
+            (size[0], size[1], part.shape[0]),
+        )
+        progress("upload", min(z + rows, size[2]), size[2])
+    return VolumeTexture(texture, encoding, row * size[1] * size[2])
+
+
+def check_size(device: Device, size: tuple[int, int, int]) -> None:
+    """Refuse what exceeds the device's 3-D textures, before anything is uploaded."""
+    most = device.limits["max-texture-dimension-3d"]
+    if max(size) > most:
+        raise LimitError(
+            "volume",
+            f"has {' x '.join(map(str, size))} voxels; {device.info.name} holds at most {most} a side",
+            "crop or downsample it, choose a coarser level, or another device",
+        )
+
+
+def upload_table(device: Device, texels: npt.NDArray[np.float32]) -> Any:
+    """Put a table, ``(d, h, w, 4)``, into a 3-D texture of 32-bit floats."""
+    count, height, width, _ = texels.shape
+    most = device.limits["max-texture-dimension-3d"]
+    if max(height, width) > most:
+        raise LimitError("table", f"has {width} x {height} entries, the device holds {most}", "choose fewer entries")
+    usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
+    texture = device.gpu.create_texture(size=(width, height, count), dimension="3d", format="rgba32float", usage=usage)
+    device.queue.write_texture(
+        {"texture": texture},
+        np.ascontiguousarray(texels),
+        {"bytes_per_row": width * 16, "rows_per_image": height},
+        (width, height, count),
+    )
+    return texture

@@ -1,0 +1,120 @@
+"""The render thread: it alone uses the device; others post work to it and get futures.
+
+The queue is fair: views take turns, and of each view only the newest frame is kept. Work of no view is done in order.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
+
+T = TypeVar("T")
+
+
+class Cancelled(Exception):  # noqa: N818 - it ends work, it is no error
+    """Raised inside work that is not wanted any more."""
+
+
+@dataclass(eq=False)
+class Job(Generic[T]):
+    """Work with its future; ``cancelled`` is set when a newer frame of its view arrives or the view is closed."""
+
+    work: Callable[[Job[T]], T]
+    future: Future[T] = field(default_factory=Future)
+    cancelled: threading.Event = field(default_factory=threading.Event)
+
+    def check(self) -> None:
+        """Raise ``Cancelled`` when the work is not wanted any more; called between tiles."""
+        if self.cancelled.is_set():
+            raise Cancelled
+
+    def cancel(self) -> None:
+        """Give the work up, whether it has begun or not."""
+        self.cancelled.set()
+        self.future.cancel()
+
+
+class RenderThread:
+    """One daemon thread with a fair queue."""
+
+    def __init__(self, name: str = "airlight-render") -> None:
+        self._views: OrderedDict[Hashable, list[Job[Any]]] = OrderedDict()
+        self._running: tuple[Hashable, Job[Any]] | None = None
+        self._wake = threading.Condition()
+        self._closed = False
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    def submit(self, work: Callable[[Job[T]], T], view: Hashable = None) -> Future[T]:
+        """Post work; of one ``view``, older frames that wait or run are given up."""
+        job: Job[T] = Job(work)
+        with self._wake:
+            if self._closed:
+                raise RuntimeError("the render thread is closed")
+            if view is not None:
+                self._give_up(view)
+            self._views.setdefault(view, []).append(job)
+            self._wake.notify()
+        return job.future
+
+    def close_view(self, view: Hashable) -> None:
+        """Give up the frames of one view and of no other."""
+        with self._wake:
+            self._give_up(view)
+            self._views.pop(view, None)
+
+    def close(self, last: Callable[[], None] | None = None) -> None:
+        """Give up what waits, run ``last`` on the thread and end it. Idempotent."""
+        with self._wake:
+            if not self._closed:
+                for view in list(self._views):
+                    self._give_up(view)
+                self._views.clear()
+                self._last = last
+            self._closed = True
+            self._wake.notify()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout=60)
+
+    def _give_up(self, view: Hashable) -> None:
+        for job in self._views.get(view, ()):
+            job.cancel()
+        self._views[view] = []
+        if self._running is not None and self._running[0] == view:
+            self._running[1].cancel()
+
+    def _next(self) -> tuple[Hashable, Job[Any]] | None:
+        with self._wake:
+            while True:
+                for view, jobs in self._views.items():
+                    if jobs:
+                        # The view goes to the end of the line.
+                        self._views.move_to_end(view)
+                        self._running = view, jobs.pop(0)
+                        return self._running
+                if self._closed:
+                    return None
+                self._wake.wait()
+
+    def _run(self) -> None:
+        while (turn := self._next()) is not None:
+            _, job = turn
+            if job.cancelled.is_set() or not job.future.set_running_or_notify_cancel():
+                continue
+            try:
+                result = job.work(job)
+            except BaseException as error:
+                job.future.set_exception(error)
+            else:
+                job.future.set_result(result)
+            finally:
+                self._running = None
+                del job, turn
+        if self._last is not None:
+            self._last()
+
+    _last: Callable[[], None] | None = None

@@ -1,0 +1,77 @@
+"""Tiles: dispatches of about 25 ms, so that frames can be cancelled and weak GPUs are not reset."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from .device import Device
+
+TILE_SECONDS = 0.025
+FIRST_TILE_PIXELS = 1 << 14
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A rectangle of pixels, x and y of its first pixel and its size."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+@dataclass
+class Pace:
+    """Pixels a second of one kind of work, measured as it goes."""
+
+    pixels_per_second: float = 0.0
+
+    def pixels(self) -> int:
+        """Pixels that take about ``TILE_SECONDS``."""
+        return max(64, int(self.pixels_per_second * TILE_SECONDS)) if self.pixels_per_second else FIRST_TILE_PIXELS
+
+    def learn(self, pixels: int, seconds: float) -> None:
+        """Take a measurement in; rays differ, so it is averaged."""
+        rate = pixels / max(seconds, 1e-5)
+        self.pixels_per_second = rate if not self.pixels_per_second else 0.5 * (self.pixels_per_second + rate)
+
+
+def tiles(width: int, first_row: int, rows: int, pace: Pace) -> Iterator[Tile]:
+    """Cover rows of an image with tiles of the pace's size: whole rows, or parts of one where a row takes too long."""
+    y = first_row
+    while y < first_row + rows:
+        pixels = pace.pixels()
+        if pixels >= width:
+            height = min(pixels // width, first_row + rows - y)
+            yield Tile(0, y, width, height)
+            y += height
+            continue
+        x = 0
+        while x < width:
+            part = min(max(pace.pixels(), 64), width - x)
+            yield Tile(x, y, part, 1)
+            x += part
+        y += 1
+
+
+def run_tiles(
+    device: Device,
+    parts: Iterator[Tile],
+    submit: Callable[[Tile], None],
+    pace: Pace,
+    check: Callable[[], None],
+    progress: Callable[[int], None],
+) -> None:
+    """Submit tile by tile and wait for each; ``check`` may raise between them, ``progress`` gets the pixels done."""
+    done = 0
+    for tile in parts:
+        check()
+        start = time.perf_counter()
+        submit(tile)
+        device.wait()
+        pixels = tile.width * tile.height
+        pace.learn(pixels, time.perf_counter() - start)
+        done += pixels
+        progress(done)

@@ -1,0 +1,172 @@
+"""The definition of right: a volume renderer in NumPy, float64, written to be read.
+
+It shares no code with the device half, and neither is generated from the other. Read ``march.py`` first, then one module a
+slot. ``register`` gives a stage from outside its function here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import DataError, StageError
+from ..scene import Scene, fit_camera
+from ..stage import make_stage
+from ..volume import FloatArray
+from .camera import CAMERAS
+from .field import FIELDS
+from .gradient import GRADIENTS
+from .integrate import INTEGRATES
+from .march import march
+from .setup import Setup
+from .shade import LIGHTINGS, SHADES, VISIBILITIES
+from .tone import TONES
+from .transfer import TRANSFERS
+
+__all__ = ["TABLES", "ReferenceImage", "converged", "prepare", "register", "render"]
+
+# Function of each stage, by slot and name.
+TABLES: dict[str, dict[str, Any]] = {
+    "camera": CAMERAS,
+    "field": FIELDS,
+    "gradient": GRADIENTS,
+    "transfer": TRANSFERS,
+    "shade": SHADES,
+    "visibility": VISIBILITIES,
+    "lighting": LIGHTINGS,
+    "integrate": INTEGRATES,
+    "tone": TONES,
+}
+
+RAYS_AT_ONCE = 16384
+
+Fraction = Callable[[npt.NDArray[np.int64], npt.NDArray[np.int64]], npt.ArrayLike]
+
+
+@dataclass(frozen=True, eq=False)
+class ReferenceImage:
+    """``rgba`` (height, width, 4), float64, premultiplied, linear, after tone; ``depth`` (height, width), inf where none.
+
+    Of chosen pixels: (n, 4) and (n,).
+    """
+
+    rgba: FloatArray
+    depth: FloatArray
+
+
+def register(slot: str, name: str, function: Any) -> None:
+    """Give a stage its function, as its slot's module describes it (integrate: a class).
+
+    Raises
+    ------
+    StageError
+        For a slot that does not exist.
+    """
+    if slot not in TABLES:
+        raise StageError(f"reference.{slot}", "is no slot", "choose one of " + ", ".join(TABLES))
+    TABLES[slot][name] = function
+
+
+def render(
+    scene: Scene,
+    size: tuple[int, int],
+    *,
+    step: float = 1.0,
+    substeps: int | None = None,
+    progress: Callable[[float], None] | None = None,
+    pixels: npt.ArrayLike | None = None,
+    offset_fraction: Fraction | None = None,
+) -> ReferenceImage:
+    """Render a scene of one visible layer.
+
+    Parameters
+    ----------
+    scene
+        What is drawn; its layer's transfer function must be given.
+    size
+        Width and height in pixels.
+    step
+        Distance of samples in units of the smallest voxel spacing.
+    substeps
+        Cut each step into so many; the lattice keeps its samples.
+    progress
+        Called with the share that is done, in (0, 1].
+    pixels
+        Pixels (n, 2) to be computed, as (x, y); None is all.
+    offset_fraction
+        Called with x and y of pixels; the fraction of a step by which samples of each are shifted away from the eye.
+
+    Raises
+    ------
+    DataError
+        When the scene does not have one visible layer with a transfer function, or a stage has no function here.
+    """
+    setup = prepare(scene)
+    return _image(scene, setup, size, step / (substeps or 1), pixels, progress, offset_fraction)
+
+
+def converged(
+    scene: Scene, size: tuple[int, int], *, pixels: npt.ArrayLike | None = None, step: float = 1 / 16
+) -> ReferenceImage:
+    """Render with tiny steps, the exact integral over each slab, and rays that never end early."""
+    setup = prepare(scene)
+    exact = dict(setup.stages)
+    if exact["transfer"].name == "postclassified":
+        exact["transfer"] = make_stage("transfer", "preintegrated")
+    if hasattr(exact["integrate"], "opaque_at"):
+        exact["integrate"] = replace(exact["integrate"], opaque_at=1.0)
+    return _image(scene, replace(setup, stages=exact), size, step, pixels)
+
+
+def prepare(scene: Scene) -> Setup:
+    """Return what the stages see of a scene of one visible layer."""
+    if len(scene.visible_layers) != 1:
+        raise DataError("scene.layers", f"has {len(scene.visible_layers)} visible layers, the reference draws one")
+    (layer,) = scene.visible_layers
+    if layer.transfer is None:
+        raise DataError("layer.transfer", "is None, and the reference chooses no function", "pass a TransferFunction")
+    stages = layer.look.stages()
+    for slot, stage in stages.items():
+        if slot in TABLES and stage.name not in TABLES[slot]:
+            raise DataError(f"look.{slot}", f"is {stage.name}, which has no function here", "use reference.register")
+    return Setup(layer, layer.transfer.scaled(layer.density), stages, scene.lights)
+
+
+def _image(
+    scene: Scene,
+    setup: Setup,
+    size: tuple[int, int],
+    step: float,
+    pixels: npt.ArrayLike | None,
+    progress: Callable[[float], None] | None = None,
+    offset_fraction: Fraction | None = None,
+) -> ReferenceImage:
+    # Choose the camera.
+    (width, height), camera, tone = size, scene.camera, setup.stages["tone"]
+    if isinstance(camera, str):
+        cells = bool(getattr(setup.stages["field"], "cells", False))
+        camera = fit_camera(camera, setup.layer.volume.corners_world(cells), aspect=width / height)
+    # List the pixels, first row on top.
+    y, x = (axis.ravel() for axis in np.indices((height, width)))
+    if pixels is not None:
+        if tone.reads:
+            raise DataError("pixels", f"were chosen, but tone {tone.name} needs the whole image", "leave them out")
+        x, y = np.asarray(pixels, dtype=np.int64).reshape(-1, 2).T
+    # March the rays of one chunk of pixels after the other.
+    rgba, depth = np.empty((len(x), 4)), np.empty(len(x))
+    for first in range(0, len(x), RAYS_AT_ONCE):
+        part = slice(first, first + RAYS_AT_ONCE)
+        origin, direction = CAMERAS[camera.name](camera, size, x[part], y[part])
+        fraction = 0.0 if offset_fraction is None else np.asarray(offset_fraction(x[part], y[part]), dtype=np.float64)
+        result = march(setup, origin, direction, step * setup.spacing_world, fraction)
+        rgba[part, :3], rgba[part, 3], depth[part] = result.rgb, result.alpha, result.t_world
+        if progress is not None:
+            progress(min(1.0, (first + RAYS_AT_ONCE) / len(x)))
+    # Map the tones and put the pixels in rows.
+    rgba = TONES[tone.name](tone, rgba)
+    shape = (height, width) if pixels is None else (len(x),)
+    return ReferenceImage(rgba.reshape(*shape, 4), depth.reshape(shape))

@@ -1,0 +1,157 @@
+"""What becomes of the slabs along a ray: one class a stage, with the functions ``begin``, ``take`` and ``finish``.
+
+Arrays of ``Accumulated`` hold all rays; ``take`` gets the numbers of those whose slabs come, and tells which of them stop.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..volume import FloatArray
+from .setup import BoolArray, IntArray, Sample, Setup, Slab
+from .transfer import TRANSFERS
+
+
+@dataclass(eq=False)
+class Accumulated:
+    """State of n rays: associated ``rgb`` (n, 3); ``alpha``, depth ``t_world``, a ``value``, a ``length`` (n,)."""
+
+    rgb: FloatArray
+    alpha: FloatArray
+    t_world: FloatArray
+    value: FloatArray
+    length: FloatArray
+
+
+class Integrate:
+    """Base: nothing seen yet, slabs made by the transfer stage, and the result as it was accumulated."""
+
+    uses_slabs: ClassVar[bool] = False
+    has_surface: ClassVar[bool] = False
+
+    def __init__(self, setup: Setup) -> None:
+        self.setup, self.stage = setup, setup.stages["integrate"]
+
+    def begin(self, n: int) -> Accumulated:
+        """Return the state of rays that have seen nothing."""
+        return Accumulated(np.zeros((n, 3)), np.zeros(n), np.full(n, np.inf), np.zeros(n), np.zeros(n))
+
+    def surface(self, front: Sample, back: Sample) -> FloatArray:
+        """Fraction of each slab at which a surface lies, 2 where there is none."""
+        raise NotImplementedError
+
+    def classify(self, front: Sample, back: Sample, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Colour and opacity of slabs, before light."""
+        return TRANSFERS[self.setup.stages["transfer"].name](self.setup, front, back, length)
+
+    def take(self, acc: Accumulated, rays: IntArray, slab: Slab) -> BoolArray:
+        """Add the next slab of each of the rays; return which of them need no more."""
+        raise NotImplementedError
+
+    def finish(self, acc: Accumulated) -> Accumulated:
+        """Return the result."""
+        return acc
+
+
+class EmissionAbsorption(Integrate):
+    """Composite front to back until the ray is opaque; depth is where opacity passes one half."""
+
+    uses_slabs = True
+
+    def take(self, acc: Accumulated, rays: IntArray, slab: Slab) -> BoolArray:
+        """Add the slab behind all others."""
+        before = acc.alpha[rays]
+        acc.rgb[rays] += (1 - before)[:, None] * slab.rgb
+        after = before + (1 - before) * slab.alpha
+        acc.alpha[rays] = after
+        # Find the depth inside the slab, where opacity follows the exponential law.
+        passes = np.nonzero((before < 0.5) & (after >= 0.5))[0]
+        clear = np.log(0.5 / (1 - before[passes])) / np.log1p(-np.minimum(slab.alpha[passes], 1 - 1e-15))
+        acc.t_world[rays[passes]] = slab.front.t_world[passes] + np.clip(clear, 0.0, 1.0) * slab.length[passes]
+        return np.asarray(after >= self.stage.opaque_at)
+
+
+class Extreme(Integrate):
+    """Keep the greatest value times ``sign`` of all samples, and where it comes first; alpha tells whether there is one."""
+
+    sign: ClassVar[int]
+
+    def take(self, acc: Accumulated, rays: IntArray, slab: Slab) -> BoolArray:
+        """Compare both ends of the slab."""
+        for end in (slab.front, slab.back):
+            better = (acc.alpha[rays] == 0) | (self.sign * end.value > self.sign * acc.value[rays])
+            chosen = rays[better]
+            acc.value[chosen], acc.t_world[chosen], acc.alpha[chosen] = end.value[better], end.t_world[better], 1.0
+        return np.zeros(len(rays), dtype=bool)
+
+    def finish(self, acc: Accumulated) -> Accumulated:
+        """Colour the value."""
+        acc.rgb = self.setup.function(acc.value)[0] * acc.alpha[:, None]
+        return acc
+
+
+class Mip(Extreme):
+    """The greatest value."""
+
+    sign = 1
+
+
+class MinIp(Extreme):
+    """The least value."""
+
+    sign = -1
+
+
+class Mean(Extreme):
+    """The mean value by the trapezoid rule, over the way that is not empty; it has no depth."""
+
+    def take(self, acc: Accumulated, rays: IntArray, slab: Slab) -> BoolArray:
+        """Add the slab's mean value, weighted by its length."""
+        acc.value[rays] += (slab.front.value + slab.back.value) / 2 * slab.length
+        acc.length[rays] += slab.length
+        return np.zeros(len(rays), dtype=bool)
+
+    def finish(self, acc: Accumulated) -> Accumulated:
+        """Divide by the length and colour the value."""
+        seen = acc.length > 0
+        acc.value = acc.value / np.where(seen, acc.length, 1.0)
+        acc.alpha = seen.astype(np.float64)
+        return super().finish(acc)
+
+
+class FirstHit(Integrate):
+    """The front surface at the iso-value: opaque, lit, in the function's colour; or the cut face of what lies above it."""
+
+    uses_slabs = True
+    has_surface = True
+
+    def __init__(self, setup: Setup) -> None:
+        super().__init__(setup)
+        self.iso = setup.function.half_extinction_value if self.stage.iso is None else float(self.stage.iso)
+
+    def surface(self, front: Sample, back: Sample) -> FloatArray:
+        """Reach the iso-value inside the slab, or begin at or above it; rays below it have not crossed it yet."""
+        crossing = (front.value < self.iso) & (back.value >= self.iso)
+        rise = np.where(crossing, back.value - front.value, 1.0)
+        return np.where(crossing, (self.iso - front.value) / rise, np.where(front.value >= self.iso, 0.0, 2.0))
+
+    def classify(self, front: Sample, back: Sample, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the opaque surface."""
+        return self.setup.function(np.maximum(front.value, self.iso))[0], np.ones(len(length))
+
+    def take(self, acc: Accumulated, rays: IntArray, slab: Slab) -> BoolArray:
+        """Keep the surface and stop."""
+        acc.rgb[rays], acc.alpha[rays], acc.t_world[rays] = slab.rgb, slab.alpha, slab.front.t_world
+        return np.ones(len(rays), dtype=bool)
+
+
+INTEGRATES: dict[str, type[Integrate]] = {
+    "emission_absorption": EmissionAbsorption,
+    "mip": Mip,
+    "minip": MinIp,
+    "mean": Mean,
+    "first_hit": FirstHit,
+}

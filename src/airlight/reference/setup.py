@@ -1,0 +1,103 @@
+"""What the stages of the reference see: a layer made ready, samples along rays, slabs, light.
+
+Functions of the reference let float64 underflow, ``np.errstate(under="ignore")``: light too faint for it is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..scene import Layer, Light
+from ..transfer.function import TransferFunction
+from ..volume import FloatArray, is_empty
+
+BoolArray = npt.NDArray[np.bool_]
+IntArray = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """One layer with its effective stages by slot, its function scaled by its density, and the lights."""
+
+    layer: Layer
+    function: TransferFunction
+    stages: Mapping[str, Any]
+    lights: tuple[Light, ...] = ()
+    once: dict[str, FloatArray] = field(default_factory=dict)  # what a stage computes once for the volume, by its name
+
+    @cached_property
+    def grid(self) -> FloatArray:
+        """Samples ``(z, y, x)`` in data units; 0 where empty."""
+        samples = self.layer.volume.grid(self.layer.channel, self.layer.time).astype(np.float64)
+        return samples if self.full is None else np.where(self.full > 0, samples, 0.0)
+
+    @cached_property
+    def full(self) -> FloatArray | None:
+        """1 where a sample is not empty, 0 where it is; None when no sample is empty."""
+        volume = self.layer.volume
+        empty = is_empty(volume.grid(self.layer.channel, self.layer.time), volume.no_data)
+        return None if empty is None else (~empty).astype(np.float64)
+
+    @cached_property
+    def domain(self) -> tuple[FloatArray, FloatArray]:
+        """Least and greatest index coordinates of the field: voxel centres, or cells where they are asked for or n is 1."""
+        n = np.array(self.layer.volume.size, dtype=np.float64)
+        cells = (n == 1) | bool(getattr(self.stages["field"], "cells", False))
+        return np.where(cells, -0.5, 0.0), np.where(cells, n - 0.5, n - 1.0)
+
+    @cached_property
+    def spacing_world(self) -> float:
+        """Smallest voxel spacing."""
+        return float(np.linalg.norm(self.layer.volume.world_from_index[:3, :3], axis=0).min())
+
+    def index_of(self, p_world: FloatArray) -> FloatArray:
+        """Index coordinates of world points (n, 3)."""
+        matrix = self.layer.volume.index_from_world
+        return np.asarray(p_world @ matrix[:3, :3].T + matrix[:3, 3])
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Samples of the field, one a ray: ``value`` (n,), ``empty`` (n,), points (n, 3), ``t_world`` (n,)."""
+
+    value: FloatArray
+    empty: BoolArray
+    p_index: FloatArray
+    p_world: FloatArray
+    t_world: FloatArray
+
+    def __getitem__(self, rows: BoolArray | IntArray) -> Sample:
+        return Sample(self.value[rows], self.empty[rows], self.p_index[rows], self.p_world[rows], self.t_world[rows])
+
+    def where_empty_take(self, other: Sample) -> Sample:
+        """Return the samples with the empty ones replaced by those of ``other``."""
+
+        def pick(mine: Any, theirs: Any) -> Any:
+            return np.where(self.empty if mine.ndim == 1 else self.empty[:, None], theirs, mine)
+
+        return Sample(*(pick(getattr(self, f.name), getattr(other, f.name)) for f in fields(self)))
+
+
+@dataclass(frozen=True, eq=False)
+class Slab:
+    """Pieces of rays between two samples, and what they send to the eye: associated ``rgb`` (n, 3), opacity ``alpha`` (n,)."""
+
+    front: Sample
+    back: Sample
+    length: FloatArray
+    rgb: FloatArray
+    alpha: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Lit:
+    """Factors (n, 3) of the medium's colour, ``diffuse``, and of white weighted by opacity, ``specular``."""
+
+    diffuse: FloatArray
+    specular: FloatArray

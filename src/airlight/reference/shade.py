@@ -1,0 +1,103 @@
+"""Light: how a point answers to it, how much of it arrives, and where within a slab it is evaluated.
+
+- shade: ``light(setup, sample, gradient (n, 3), to_eye (n, 3)) -> Lit``
+- visibility: ``visibility(setup, light_index, p_world (n, 3)) -> (n, 3)``; light_index None asks for ambient light
+- lighting: ``light_slab(setup, slab, to_eye) -> rgb (n, 3)``, associated
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..scene import Light
+from ..volume import FloatArray, statistics
+from .gradient import field_gradient
+from .setup import Lit, Sample, Setup, Slab
+
+
+def none(setup: Setup, sample: Sample, gradient: FloatArray, to_eye: FloatArray) -> Lit:
+    """Leave the colour as it is."""
+    return Lit(np.ones_like(to_eye), np.zeros_like(to_eye))
+
+
+@np.errstate(under="ignore")
+def blinn_phong(setup: Setup, sample: Sample, gradient: FloatArray, to_eye: FloatArray) -> Lit:
+    """Ambient, diffuse and specular light at the normal ``-gradient / |gradient|``."""
+    stage = setup.stages["shade"]
+    threshold = automatic_threshold(setup) if stage.gradient_threshold is None else stage.gradient_threshold
+    steepness = np.linalg.norm(gradient, axis=1)
+    surface = steepness > threshold
+    normal = np.where(surface[:, None], -gradient / np.where(surface, steepness, 1.0)[:, None], 0.0)
+    diffuse = stage.ambient * visibility(setup, None, sample.p_world)
+    specular = np.zeros_like(diffuse)
+    for index, lamp in enumerate(setup.lights):
+        to_light, factor = incidence(lamp, sample.p_world, to_eye)
+        strength = factor[:, None] * (lamp.intensity * np.array(lamp.colour)) * visibility(setup, index, sample.p_world)
+        facing = np.abs if stage.two_sided else _positive
+        n_dot_l = facing(_dot(normal, to_light))
+        n_dot_h = facing(_dot(normal, _unit(to_light + to_eye)))
+        highlight = np.where(n_dot_l > 0, n_dot_h**stage.shininess, 0.0)
+        diffuse = diffuse + strength * (stage.diffuse * n_dot_l)[:, None]
+        specular = specular + strength * (stage.specular * highlight)[:, None]
+    return Lit(diffuse, specular)
+
+
+def automatic_threshold(setup: Setup) -> float:
+    """1/500 of the range between the percentiles 0.5 and 99.5 per smallest spacing."""
+    known = statistics(setup.layer.volume, setup.layer.channel, setup.layer.time)
+    return (known.percentile(99.5) - known.percentile(0.5)) / 500 / setup.spacing_world
+
+
+def incidence(lamp: Light, p_world: FloatArray, to_eye: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Direction towards a light (n, 3), and its fall-off (n,)."""
+    if lamp.kind == "head":
+        return to_eye, np.ones(len(p_world))
+    if lamp.kind == "directional":
+        return np.broadcast_to(np.array(lamp.vector), p_world.shape), np.ones(len(p_world))
+    way = np.array(lamp.vector) - p_world
+    distance = np.maximum(np.linalg.norm(way, axis=1), 1e-30)
+    return _unit(way), np.ones(len(p_world)) if lamp.radius is None else (lamp.radius / distance) ** 2
+
+
+def visibility(setup: Setup, light_index: int | None, p_world: FloatArray) -> FloatArray:
+    """Share (n, 3) of a light, or of ambient light, that reaches points."""
+    return VISIBILITIES[setup.stages["visibility"].name](setup, light_index, p_world)
+
+
+def no_occlusion(setup: Setup, light_index: int | None, p_world: FloatArray) -> FloatArray:
+    """All of it."""
+    return np.ones_like(p_world)
+
+
+def unlit(setup: Setup, slab: Slab, to_eye: FloatArray) -> FloatArray:
+    """Keep the slab's colour."""
+    return slab.rgb
+
+
+def sampled(setup: Setup, slab: Slab, to_eye: FloatArray) -> FloatArray:
+    """Light slabs that are not empty at their back sample."""
+    rows = np.nonzero((slab.alpha > 0) | (slab.rgb > 0).any(axis=1))[0]
+    rgb, point = slab.rgb.copy(), slab.back[rows]
+    lit = SHADES[setup.stages["shade"].name](setup, point, field_gradient(setup, point.p_index), to_eye[rows])
+    rgb[rows] = rgb[rows] * lit.diffuse + slab.alpha[rows, None] * lit.specular
+    return rgb
+
+
+def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray((a * b).sum(axis=1))
+
+
+def _positive(cosine: FloatArray) -> FloatArray:
+    return np.maximum(cosine, 0.0)
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(vectors / np.where(length > 0, length, 1.0))
+
+
+SHADES: dict[str, Callable[[Setup, Sample, FloatArray, FloatArray], Lit]] = {"none": none, "blinn_phong": blinn_phong}
+VISIBILITIES: dict[str, Callable[[Setup, int | None, FloatArray], FloatArray]] = {"none": no_occlusion}
+LIGHTINGS: dict[str, Callable[[Setup, Slab, FloatArray], FloatArray]] = {"unlit": unlit, "sampled": sampled}

@@ -1,0 +1,126 @@
+"""One frame, from scene to image. Read this first.
+
+A scene is resolved (automatic transfer functions, named views), each layer gets its stages and what they may look at, the
+driver draws its passes, and the result comes back as an ``Image``.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ..errors import LimitError, ValueRangeError
+from ..first_picture import resolve
+from ..gpu.device import Device
+from ..gpu.textures import Progress
+from ..scene import Layer, Scene
+from ..shader.program import Program
+from ..stage import SLOTS, Context, Grid, Stage, Table
+from ..stages.field import Field
+from ..volume import statistics
+from .image import Image
+from .march import MarchFrame, draw_march, march_program
+from .resources import DrawnLayer, grid_texture
+
+SKIPS = ("auto", "none", "blocks", "geometry")
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked of a frame beside its scene."""
+
+    size_px: tuple[int, int]
+    driver: Stage
+    step: float = 1.0
+    skip: str = "auto"
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        width, height = self.size_px
+        if not (0 < width <= 1 << 16 and 0 < height <= 1 << 16):
+            raise ValueRangeError("size", f"is {self.size_px}, width and height must lie in [1, 65536]")
+        if not 1e-3 <= self.step <= 1e3:
+            raise ValueRangeError("step", f"is {self.step}, must lie in [0.001, 1000] voxels")
+        if self.skip not in SKIPS:
+            raise ValueRangeError("skip", f"is {self.skip!r}, must be one of {', '.join(SKIPS)}")
+        if self.skip in ("blocks", "geometry"):
+            raise ValueRangeError("skip", f"{self.skip!r} is not built yet", "use auto or none; the image is the same")
+
+
+def draw(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> Image:
+    """Draw a frame on a device. ``check`` may raise between tiles, ``progress`` is told of uploads and tiles."""
+    start = time.perf_counter()
+    frame = prepare(device, scene, request, check, progress)
+    rgba, depth, samples = draw_march(frame)
+    stats = statistics_of(frame, request) | {"samples": int(samples), "milliseconds": frame.milliseconds}
+    frame.milliseconds["total"] = 1e3 * (time.perf_counter() - start)
+    return Image(rgba, depth, frame.scene.background, stats)
+
+
+def explain(device: Device, scene: Scene, request: Request) -> Program:
+    """Link the program that would draw a frame, without drawing it."""
+    return march_program(prepare(device, scene, request, lambda: None, lambda *_: None))
+
+
+def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> MarchFrame:
+    """Resolve a scene and gather what its passes share."""
+    scene = resolve(scene, request.size_px)
+    visible = scene.visible_layers
+    if len(visible) != 1:
+        raise LimitError("scene.layers", f"has {len(visible)} visible layers; this version draws exactly one", "hide others")
+    if visible[0].labels is not None:
+        raise LimitError("layer.labels", "are not drawn by this version", "leave them out")
+    step_world = request.step * min(min(layer.volume.spacing) for layer in visible)
+    layers = tuple(drawn_layer(layer, step_world, request.size_px) for layer in visible)
+    stages = visible[0].look.stages()
+    scene_stages: dict[str, Stage] = {"driver": request.driver, "camera": scene.camera}  # type: ignore[dict-item]
+    scene_stages |= {slot: stage for slot, stage in stages.items() if not SLOTS[slot].per_layer}
+    return MarchFrame(device, scene, scene_stages, layers, request.size_px, step_world, check, progress)
+
+
+def drawn_layer(layer: Layer, step_world: float, size_px: tuple[int, int]) -> DrawnLayer:
+    """Give a layer its stages and their resources; a volume with empty samples gets the field that keeps them apart."""
+    assert layer.transfer is not None
+    channel = layer.volume.channel_index(layer.channel)
+    transfer = layer.transfer if layer.density == 1 else layer.transfer.scaled(layer.density)
+    context = Context(layer.volume, transfer, channel, layer.time, step_world, size_px)
+    stages = {slot: stage for slot, stage in layer.look.stages().items() if SLOTS[slot].per_layer}
+    field = stages["field"]
+    if isinstance(field, Field) and not field.masked and statistics(layer.volume, channel, layer.time).empty:
+        stages["field"] = field.for_empty()
+    return DrawnLayer(stages, context, {slot: stage.resources(context) for slot, stage in stages.items()})
+
+
+def statistics_of(frame: MarchFrame, request: Request) -> dict[str, Any]:
+    """What ``image.stats`` says of a frame beside times and counts."""
+    info = frame.device.info
+    layers = []
+    for layer in frame.layers:
+        grids = [r for r in layer.resources["field"].values() if isinstance(r, Grid)]
+        textures = [grid_texture(frame.device, grid, frame.progress) for grid in grids]
+        tables = {
+            f"{slot}.{name}": list(r.texels.shape)
+            for slot, resources in layer.resources.items()
+            for name, r in resources.items()
+            if isinstance(r, Table)
+        }
+        layers.append(
+            {
+                "stages": {slot: stage.name for slot, stage in layer.stages.items()},
+                "textures": [{"format": t.encoding.format, "error": t.encoding.error, "bytes": t.bytes} for t in textures],
+                "tables": tables,
+                "level": 0,
+            }
+        )
+    return {
+        "adapter": {"name": info.name, "kind": info.kind, "backend": info.backend, "driver": info.driver},
+        "core": frame.device.core,
+        "driver": request.driver.name,
+        "size": list(request.size_px),
+        "step": request.step,
+        "step_world": frame.step_world,
+        "skip": {"asked": request.skip, "done": "none"},
+        "layers": layers,
+    }

@@ -1,0 +1,132 @@
+"""Images: float radiance with opacity and depth, and their way into files."""
+
+from __future__ import annotations
+
+import io
+import os
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import FileError, MissingExtraError
+from ..transfer.colour import linear_to_srgb
+
+FloatImage = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """A finished frame.
+
+    Attributes
+    ----------
+    rgba
+        float32 (height, width, 4), first row on top, linear light after the tone stage, premultiplied; alpha is the opacity
+        of the scene, the background is not in it.
+    depth
+        float32 (height, width), world distance from the eye (orthographic: from its plane); inf where there is none.
+    background
+        Linear colour that lies behind; None is transparent.
+    stats
+        What was done: adapter, samples, milliseconds by pass, texture formats and their error, what was skipped.
+    """
+
+    rgba: FloatImage
+    depth: FloatImage
+    background: tuple[float, float, float] | None = None
+    stats: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return self.rgba.shape[1], self.rgba.shape[0]
+
+    @property
+    def rgb(self) -> FloatImage:
+        """float32 (height, width, 3), linear light over the background; over black where it is transparent."""
+        behind = np.asarray(self.background or (0.0, 0.0, 0.0), dtype=np.float32)
+        return np.asarray(self.rgba[..., :3] + (1 - self.rgba[..., 3:]) * behind)
+
+    def picture(self) -> npt.NDArray[np.uint8]:
+        """uint8 sRGB as it is saved and shown: (h, w, 3), or (h, w, 4) with straight alpha where it is transparent."""
+        if self.background is not None:
+            return _bytes(linear_to_srgb(self.rgb))
+        alpha = self.rgba[..., 3:]
+        straight = np.divide(self.rgba[..., :3], alpha, out=np.zeros_like(self.rgba[..., :3]), where=alpha > 0)
+        return np.concatenate([_bytes(linear_to_srgb(straight)), _bytes(np.clip(alpha, 0, 1))], axis=-1)
+
+    def png(self) -> bytes:
+        """Return the picture as a PNG file."""
+        from PIL import Image as Pillow
+
+        out = io.BytesIO()
+        Pillow.fromarray(self.picture()).save(out, "png", compress_level=4)
+        return out.getvalue()
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write ``.png`` (sRGB, over the background), ``.exr`` (linear RGBA and depth Z) or ``.npy`` (``rgba``).
+
+        The file appears when it is complete.
+
+        Raises
+        ------
+        FileError
+            For other endings, and where the file cannot be written.
+        MissingExtraError
+            For EXR without the package OpenEXR.
+        """
+        target = Path(path)
+        writers = {".png": self._write_png, ".exr": self._write_exr, ".npy": self._write_npy}
+        writer = writers.get(target.suffix.lower())
+        if writer is None:
+            raise FileError(str(target), "has no ending that says what to write", "use one of " + ", ".join(writers))
+        try:
+            handle, name = tempfile.mkstemp(prefix=".airlight-", suffix=target.suffix.lower(), dir=target.parent)
+        except OSError as error:
+            raise FileError(str(target), f"cannot be written ({error.strerror})", "choose a folder that is there") from error
+        os.close(handle)
+        try:
+            writer(Path(name))
+            mask = os.umask(0)
+            os.umask(mask)
+            os.chmod(name, 0o666 & ~mask)
+            os.replace(name, target)
+        except OSError as error:
+            raise FileError(str(target), f"cannot be written ({error.strerror or error})") from error
+        finally:
+            Path(name).unlink(missing_ok=True)
+        return target
+
+    def _write_png(self, path: Path) -> None:
+        path.write_bytes(self.png())
+
+    def _write_npy(self, path: Path) -> None:
+        np.save(path, self.rgba, allow_pickle=False)
+
+    def _write_exr(self, path: Path) -> None:
+        try:
+            import OpenEXR
+        except ImportError as error:
+            raise MissingExtraError("writing EXR", "needs OpenEXR", 'pip install "airlight[exr]"') from error
+        header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+        channels = {"RGBA": np.ascontiguousarray(self.rgba), "Z": np.ascontiguousarray(self.depth)}
+        with OpenEXR.File(header, channels) as file:
+            file.write(str(path))
+
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
+        """Return ``picture()``, so that plotting libraries show what is saved."""
+        return self.picture().astype(dtype or np.uint8, copy=False)
+
+    def _repr_png_(self) -> bytes:
+        return self.png()
+
+    def __repr__(self) -> str:
+        return f"Image({self.size[0]}x{self.size[1]}, covered {float((self.rgba[..., 3] > 0).mean()):.0%})"
+
+
+def _bytes(unit: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
+    return (unit * 255.0 + 0.5).astype(np.uint8)

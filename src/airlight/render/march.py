@@ -1,0 +1,209 @@
+"""The march driver: its passes, and the bands and tiles in which they run."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..gpu import compute
+from ..gpu.device import Device
+from ..gpu.textures import Progress
+from ..gpu.tiles import Pace, Tile, run_tiles, tiles
+from ..scene import Scene
+from ..shader.program import LUMINANCE_SUMS, FrameUniforms, LuminanceUniforms, Program, ProgramKey, build_program, stage_key
+from ..stage import Resource, Stage
+from ..stages import tone as tones
+from .plan import Pass, check_plan
+from .resources import DrawnLayer, bound_resources, pack_lights, pack_uniforms, uniform_values
+
+BYTES_PER_PIXEL = 16
+
+
+@dataclass(frozen=True, eq=False)
+class MarchFrame:
+    """What the passes of one frame share."""
+
+    device: Device
+    scene: Scene
+    scene_stages: Mapping[str, Stage]
+    layers: tuple[DrawnLayer, ...]
+    size_px: tuple[int, int]
+    step_world: float
+    check: Callable[[], None]
+    progress: Progress
+    milliseconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def scene_resources(self) -> dict[str, Mapping[str, Resource]]:
+        """Resources of the stages that belong to no layer."""
+        return {slot: stage.resources(self.layers[0].context) for slot, stage in self.scene_stages.items()}
+
+    def program(self, root: str, outputs: tuple[str, ...], extra: tuple[str, ...] = (), **instead: Stage) -> Program:
+        """Program of a root with the frame's stages, some replaced."""
+        return build_program(program_key(self, root, outputs, extra, **instead))
+
+
+def program_key(
+    frame: MarchFrame, root: str, outputs: tuple[str, ...], extra: tuple[str, ...] = (), **instead: Stage
+) -> ProgramKey:
+    """Key of the program for a frame."""
+    resources = frame.scene_resources
+    scene = tuple((slot, stage_key(instead.get(slot, stage), resources[slot])) for slot, stage in frame.scene_stages.items())
+    layers = tuple(
+        tuple((slot, stage_key(stage, layer.resources[slot])) for slot, stage in layer.stages.items()) for layer in frame.layers
+    )
+    has_empty = any(layer.field.masked for layer in frame.layers)
+    skips_empty = bool(getattr(frame.scene_stages["integrate"], "skips_empty", False))
+    return ProgramKey(root, scene, layers, outputs, extra, has_empty, skips_empty, frame.device.traits)
+
+
+def march_program(frame: MarchFrame) -> Program:
+    """Program of the march; a tone stage that looks at the whole image first gets a pass of its own."""
+    if frame.scene_stages["tone"].reads:
+        return frame.program("march.wgsl", ("radiance", "depth"), tone=tones.Linear())
+    return frame.program("march.wgsl", ("radiance", "depth"))
+
+
+def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], float]:
+    """Draw a frame; returns rgba (h, w, 4), depth (h, w), and the number of samples."""
+    width, height = frame.size_px
+    most = frame.device.limits["max-storage-buffer-binding-size"]
+    rows = min(height, most // (BYTES_PER_PIXEL * width))
+    bands = [_Band(frame, first, min(rows, height - first)) for first in range(0, height, rows)]
+    tone = frame.scene_stages["tone"]
+    passes = [Pass("march", (), ("radiance", "depth"), lambda: _march(frame, bands))]
+    if "luminance" in tone.reads:
+        passes.append(Pass("luminance", ("radiance",), ("luminance",), lambda: _luminance(frame, bands)))
+    if tone.reads:
+        passes.append(Pass("tone", ("radiance", *tone.reads), ("radiance",), lambda: _tone(frame, bands)))
+    check_plan(passes, ("radiance", "depth"))
+    for step in passes:
+        with timed(frame.milliseconds, step.name):
+            step.run()
+    rgba = np.empty((height, width, 4), dtype=np.float32)
+    depth = np.empty((height, width, 2), dtype=np.float32)
+    with timed(frame.milliseconds, "read back"):
+        for band in bands:
+            band.read(rgba, depth)
+    return rgba, np.where(depth[..., 0] < 3e38, depth[..., 0], np.float32(np.inf)), float(depth[..., 1].sum(dtype=np.float64))
+
+
+class _Band:
+    """Rows of an image whose pixels fit into one binding."""
+
+    def __init__(self, frame: MarchFrame, first_row: int, rows: int) -> None:
+        width = frame.size_px[0]
+        self.first_row, self.rows, self.pixels = first_row, rows, rows * width
+        self.radiance = compute.storage_buffer(frame.device, f"radiance {first_row}", self.pixels * 16)
+        self.depth = compute.storage_buffer(frame.device, f"depth {first_row}", self.pixels * 8)
+        self.frame = frame
+
+    def uniforms(self) -> FrameUniforms:
+        return FrameUniforms(
+            size_px=self.frame.size_px,
+            band_first_row=self.first_row,
+            band_rows=self.rows,
+            step_world=self.frame.step_world,
+            light_count=len(self.frame.scene.lights),
+        )
+
+    def read(self, rgba: np.ndarray[Any, Any], depth: np.ndarray[Any, Any]) -> None:
+        part = slice(self.first_row, self.first_row + self.rows)
+        width = self.frame.size_px[0]
+        for source, target, channels in ((self.radiance, rgba, 4), (self.depth, depth, 2)):
+            data = self.frame.device.queue.read_buffer(source, 0, self.pixels * channels * 4)
+            target[part] = np.frombuffer(data, dtype=np.float32).reshape(self.rows, width, channels)
+
+
+def _bind(frame: MarchFrame, program: Program, buffers: Mapping[str, Any], name: str, data: bytes) -> list[Any]:
+    device = frame.device
+    resources = {
+        **bound_resources(device, program, frame.layers, frame.scene_resources, frame.progress),
+        **buffers,
+        "uniforms": compute.write_uniforms(device, f"uniforms of {name}", data),
+        "lights": compute.write_storage(device, "lights", pack_lights(frame.scene.lights)),
+    }
+    return compute.bind_groups(device, compute.pipeline_of(device, program), resources)
+
+
+def _march(frame: MarchFrame, bands: list[_Band]) -> None:
+    device = frame.device
+    with timed(frame.milliseconds, "link and compile"):
+        program = march_program(frame)
+        pipeline = compute.pipeline_of(device, program)
+    with timed(frame.milliseconds, "upload"):
+        values = uniform_values(device, frame.scene_stages, frame.layers, frame.progress)
+        if frame.scene_stages["tone"].reads:
+            values["tone"] = tones.Linear()
+        bound_resources(device, program, frame.layers, frame.scene_resources, frame.progress)
+    x, y = device.traits.workgroup
+    pace: Pace = device.kept.setdefault(("pace", program.key), Pace())
+    total = frame.size_px[0] * frame.size_px[1]
+    before = 0
+    for band in bands:
+        groups = _bind(
+            frame,
+            program,
+            {"radiance": band.radiance, "depth": band.depth},
+            "march",
+            pack_uniforms(program, band.uniforms(), values),
+        )
+        target = device.kept["buffer", "uniforms of march"]
+
+        def submit(tile: Tile, band: _Band = band, groups: list[Any] = groups, target: Any = target) -> None:
+            part = replace(band.uniforms(), tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
+            device.queue.write_buffer(target, 0, pack_uniforms(program, part, values))
+            compute.dispatch(device, pipeline, groups, (-(-tile.width // x), -(-tile.height // y), 1))
+
+        def done(pixels: int, before: int = before) -> None:
+            frame.progress("render", before + pixels, total)
+
+        run_tiles(device, tiles(frame.size_px[0], band.first_row, band.rows, pace), submit, pace, frame.check, done)
+        before += band.pixels
+
+
+def _luminance(frame: MarchFrame, bands: list[_Band]) -> None:
+    """Measure the log-average luminance; the sums of all bands are joined on the host in float64."""
+    device = frame.device
+    program = build_program(ProgramKey("passes/luminance.wgsl", (), (), ("radiance", "sums"), (), False, False, device.traits))
+    total = np.zeros(2)
+    for band in bands:
+        sums = compute.storage_buffer(device, "luminance sums", LUMINANCE_SUMS * 8)
+        data = pack_uniforms(program, band.uniforms(), {})
+        groups = _bind(frame, program, {"radiance": band.radiance, "sums": sums}, "luminance", data)
+        compute.dispatch(device, compute.pipeline_of(device, program), groups, (LUMINANCE_SUMS // 64, 1, 1))
+        read = np.frombuffer(device.queue.read_buffer(sums, 0, LUMINANCE_SUMS * 8), dtype=np.float32)
+        total += read.reshape(-1, 2).sum(axis=0, dtype=np.float64)
+    frame.device.kept["luminance"] = math.exp(total[0] / total[1]) if total[1] > 0 else 0.0
+
+
+def _tone(frame: MarchFrame, bands: list[_Band]) -> None:
+    device = frame.device
+    program = frame.program("passes/tone.wgsl", ("radiance",), ("luminance",))
+    values = uniform_values(device, frame.scene_stages, frame.layers, frame.progress)
+    values["luminance"] = LuminanceUniforms(device.kept.get("luminance", 0.0))
+    x, y = device.traits.workgroup
+    for band in bands:
+        data = pack_uniforms(program, band.uniforms(), values)
+        groups = _bind(frame, program, {"radiance": band.radiance}, "tone", data)
+        counts = (-(-frame.size_px[0] // x), -(-band.rows // y), 1)
+        compute.dispatch(device, compute.pipeline_of(device, program), groups, counts)
+
+
+class timed:  # noqa: N801 - a context manager, used like a function
+    """Add the milliseconds of a block to a record."""
+
+    def __init__(self, record: dict[str, float], name: str) -> None:
+        self.record, self.name = record, name
+
+    def __enter__(self) -> None:
+        self.start = time.perf_counter()
+
+    def __exit__(self, *_: object) -> None:
+        spent = 1e3 * (time.perf_counter() - self.start)
+        self.record[self.name] = self.record.get(self.name, 0.0) + spent

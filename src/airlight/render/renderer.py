@@ -1,0 +1,163 @@
+"""Renderers: a device with its caches, kept on a thread of its own."""
+
+from __future__ import annotations
+
+import atexit
+import threading
+from collections.abc import Callable, Hashable
+from concurrent.futures import Future
+
+import wgpu
+
+from ..errors import AirlightError, DeviceError, LimitError
+from ..gpu.device import Device, open_device
+from ..gpu.textures import Progress
+from ..gpu.thread import Job, RenderThread, T
+from ..scene import Scene
+from ..shader.program import Program
+from ..stage import Stage, make_stage
+from .frame import Request, draw, explain
+from .image import Image
+
+
+def _silent(_what: str, _done: int, _total: int) -> None:
+    pass
+
+
+class Renderer:
+    """Draws scenes; keeps device, textures, tables and programs from one frame to the next.
+
+    Parameters
+    ----------
+    device
+        Number, kind or part of the name of an adapter; None takes the best (``AIRLIGHT_DEVICE`` names another).
+
+    Raises
+    ------
+    DeviceError
+        At the first frame, when no adapter answers.
+
+    Examples
+    --------
+    >>> with Renderer() as renderer:                                  # doctest: +SKIP
+    ...     frames = [renderer.render(scene, (640, 480)) for scene in scenes]
+    """
+
+    def __init__(self, device: str | int | None = None) -> None:
+        self._wanted = None if device is None else str(device)
+        self._device: Device | None = None
+        self._thread = RenderThread()
+
+    def __enter__(self) -> Renderer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Release the device and all that is on it. Idempotent."""
+        self._thread.close(self._drop)
+
+    def warm_up(self) -> None:
+        """Open the device in the background; returns at once."""
+        self._thread.submit(lambda job: self._open())
+
+    def render(
+        self,
+        scene: Scene,
+        size: tuple[int, int] = (512, 512),
+        *,
+        driver: str | Stage = "march",
+        step: float = 1.0,
+        skip: str = "auto",
+        progress: Progress | None = None,
+    ) -> Image:
+        """Draw a scene and wait for it; see ``airlight.render``."""
+        return self.submit(scene, size, driver=driver, step=step, skip=skip, progress=progress).result()
+
+    def submit(
+        self,
+        scene: Scene,
+        size: tuple[int, int] = (512, 512),
+        *,
+        driver: str | Stage = "march",
+        step: float = 1.0,
+        skip: str = "auto",
+        progress: Progress | None = None,
+        view: Hashable = None,
+    ) -> Future[Image]:
+        """Post a frame; of one ``view`` only the newest frame is drawn, the futures of older ones are cancelled."""
+        request = Request((int(size[0]), int(size[1])), make_stage("driver", driver), float(step), skip)
+        return self._thread.submit(
+            lambda job: self._guarded(job, lambda device: draw(device, scene, request, job.check, progress or _silent)), view
+        )
+
+    def close_view(self, view: Hashable) -> None:
+        """Give up the frames of a view; others go on."""
+        self._thread.close_view(view)
+
+    def explain(self, scene: Scene, size: tuple[int, int] = (512, 512), driver: str | Stage = "march") -> Program:
+        """Return the program that would draw a scene."""
+        request = Request((int(size[0]), int(size[1])), make_stage("driver", driver))
+
+
+        def work(job: Job[Program]) -> Program:
+            return self._guarded(job, lambda device: explain(device, scene, request))
+
+        return self._thread.submit(work).result()
+
+    # -- on the render thread
+
+    def _open(self) -> Device:
+        if self._device is None:
+            self._device = open_device(self._wanted)
+        return self._device
+
+    def _drop(self) -> None:
+        device, self._device = self._device, None
+        if device is not None:
+            device.close()
+
+    def _guarded(self, job: Job[T], work: Callable[[Device], T]) -> T:
+        """Do work on the device; whatever breaks the device leaves room for a new one."""
+        device = self._open()
+        try:
+            return work(device)
+        except AirlightError:
+            raise
+        except wgpu.GPUOutOfMemoryError as error:
+            self._drop()
+            raise LimitError(
+                f"device {device.info.name!r}",
+                "ran out of memory",
+                "draw a smaller image, a coarser level or a cropped volume, or choose another device",
+            ) from error
+        except (wgpu.GPUError, RuntimeError) as error:
+            self._drop()
+            raise DeviceError(
+                f"device {device.info.name!r}", f"was lost or failed ({error})", "render again: a new device is opened"
+            ) from error
+
+
+_shared: dict[str | None, Renderer] = {}
+_lock = threading.Lock()
+
+
+def shared(device: str | int | None = None) -> Renderer:
+    """Renderer that the functions of the package share, one for each choice of device."""
+    key = None if device is None else str(device)
+    with _lock:
+        if key not in _shared:
+            _shared[key] = Renderer(device)
+        return _shared[key]
+
+
+def close_shared() -> None:
+    """Release the shared renderers; the next call opens new ones."""
+    with _lock:
+        for renderer in _shared.values():
+            renderer.close()
+        _shared.clear()
+
+
+atexit.register(close_shared)

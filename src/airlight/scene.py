@@ -1,0 +1,296 @@
+"""What is drawn, as frozen values: layers with their looks, camera, lights and background."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from . import stages
+from .errors import DataError, ValueRangeError
+from .stage import Stage, make_stage
+from .stages.camera import Camera
+from .stages.shade import Shade
+from .transfer import TransferFunction, linear_rgb
+from .transfer.colour import Colour
+from .volume import FloatArray, Volume
+
+Vector = tuple[float, float, float]
+
+__all__ = ["VIEWS", "Camera", "Layer", "Light", "Look", "Scene", "fit_camera"]
+
+
+@dataclass(frozen=True)
+class Light:
+    """A light; make one with ``Light.head``, ``Light.directional`` or ``Light.point``.
+
+    Attributes
+    ----------
+    kind
+        ``"head"``, ``"directional"`` or ``"point"``.
+    vector
+        Direction towards the light, of length one (directional); position in the world (point); unused (head).
+    colour
+        Linear ``(r, g, b)``.
+    intensity
+        Factor of the colour, at least 0.
+    radius
+        World distance at which a point light has its intensity, falling off with the square of distance; None: no fall-off.
+    """
+
+    kind: str
+    vector: Vector = (0.0, 0.0, 1.0)
+    colour: Vector = (1.0, 1.0, 1.0)
+    intensity: float = 1.0
+    radius: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        if self.kind not in ("head", "directional", "point"):
+            raise ValueRangeError("light.kind", f"is {self.kind!r}, must be one of head, directional, point")
+        if np.shape(self.vector) != (3,) or not np.isfinite(self.vector).all():
+            raise ValueRangeError(f"light.{self.kind}", f"got {self.vector!r}", "give three finite numbers, x, y, z")
+        if not (math.isfinite(self.intensity) and self.intensity >= 0):
+            raise ValueRangeError("light.intensity", f"is {self.intensity}, must be finite and at least 0")
+        if self.radius is not None and not (math.isfinite(self.radius) and self.radius > 0):
+            raise ValueRangeError("light.radius", f"is {self.radius}, must be finite and above 0")
+
+    @staticmethod
+    def head(*, color: Colour = (1.0, 1.0, 1.0), intensity: float = 1.0) -> Light:
+        """Light that comes from the eye, along each ray."""
+        return Light("head", colour=linear_rgb(color, "light.color"), intensity=float(intensity))
+
+    @staticmethod
+    def directional(*, to_light: Vector, color: Colour = (1.0, 1.0, 1.0), intensity: float = 1.0) -> Light:
+        """Light from far away; ``to_light`` is the world direction towards it."""
+        length = float(np.linalg.norm(to_light)) if np.shape(to_light) == (3,) else 0.0
+        if not (math.isfinite(length) and length > 0):
+            raise ValueRangeError("light.to_light", f"is {to_light!r}, must be a finite direction")
+        x, y, z = (float(c) / length for c in to_light)
+        return Light("directional", (x, y, z), linear_rgb(color, "light.color"), float(intensity))
+
+    @staticmethod
+    def point(
+        *,
+        position: Vector,
+        color: Colour = (1.0, 1.0, 1.0),
+        intensity: float = 1.0,
+        radius: float | None = None,
+    ) -> Light:
+        """Light at a world position, without fall-off unless ``radius`` is given."""
+        if np.shape(position) != (3,):
+            raise ValueRangeError("light.position", f"is {position!r}", "give three numbers, x, y, z")
+        x, y, z = (float(c) for c in position)
+        return Light("point", (x, y, z), linear_rgb(color, "light.color"), float(intensity), radius)
+
+
+@dataclass(frozen=True)
+class Look:
+    """The stages that fill the slots; each is given by name or as a stage with its parameters."""
+
+    field: Stage
+    gradient: Stage
+    transfer: Stage
+    shade: Stage
+    lighting: Stage
+    visibility: Stage
+    integrate: Stage
+    tone: Stage
+
+    def __init__(
+        self,
+        field: str | Stage = "linear",
+        gradient: str | Stage = "central",
+        transfer: str | Stage = "preintegrated",
+        shade: str | Stage = "blinn_phong",
+        lighting: str | Stage = "sampled",
+        visibility: str | Stage = "none",
+        integrate: str | Stage = "emission_absorption",
+        tone: str | Stage = "linear",
+    ) -> None:
+        choices = {
+            "field": field,
+            "gradient": gradient,
+            "transfer": transfer,
+            "shade": shade,
+            "lighting": lighting,
+            "visibility": visibility,
+            "integrate": integrate,
+            "tone": tone,
+        }
+        for slot, choice in choices.items():
+            object.__setattr__(self, slot, make_stage(slot, choice))
+
+    def stages(self) -> dict[str, Stage]:
+        """Return the stages by slot, those that this look never asks replaced by the ones that do nothing.
+
+        Without light there is no gradient to compute, and without slabs there is nothing to light.
+        """
+        chosen = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        shade = chosen["shade"]
+        if not (isinstance(shade, Shade) and not shade.lit) and getattr(chosen["integrate"], "uses_slabs", True):
+            return chosen
+        return chosen | {
+            "gradient": stages.gradient.Zero(),
+            "shade": stages.shade.NoShade(),
+            "lighting": stages.lighting.Unlit(),
+        }
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A volume with the look that it is drawn with.
+
+    Parameters
+    ----------
+    volume
+        A ``Volume``, or anything that makes one.
+    transfer
+        Transfer function; None chooses one from the data.
+    look
+        Stages and their parameters.
+    labels
+        Label volume beside the image; drawn from the classification issue on.
+    visible
+        Whether the layer is drawn.
+    density
+        Factor of all extinctions, at least 0.
+    channel, time
+        Channel, by number or name, and time step.
+    """
+
+    volume: Volume
+    transfer: TransferFunction | None = None
+    look: Look = field(default_factory=Look)
+    labels: Volume | None = None
+    visible: bool = True
+    density: float = 1.0
+    channel: int | str = 0
+    time: int = 0
+
+    def __post_init__(self) -> None:
+        """Make a volume of what was given and check the numbers."""
+        if not isinstance(self.volume, Volume):
+            object.__setattr__(self, "volume", Volume(self.volume))
+        if not (math.isfinite(self.density) and self.density >= 0):
+            raise ValueRangeError("layer.density", f"is {self.density}, must be finite and at least 0")
+        if self.transfer is not None and not isinstance(self.transfer, TransferFunction):
+            raise DataError("layer.transfer", f"is a {type(self.transfer).__name__}", "pass an airlight.TransferFunction")
+        if not isinstance(self.look, Look):
+            raise DataError("layer.look", f"is a {type(self.look).__name__}", "pass an airlight.Look")
+        self.volume.grid(self.channel, self.time)
+
+
+@dataclass(frozen=True, init=False)
+class Scene:
+    """Layers, camera, lights and background: all that an image depends on but its size and the driver.
+
+    Parameters
+    ----------
+    volume
+        Short for ``layers=[Layer(volume, transfer=..., look=..., channel=..., time=...)]``.
+    layers
+        What is drawn.
+    camera
+        A ``Camera``, or the name of a view (``"front"``, ``"iso"`` ...) that shows all layers.
+    lights
+        Lights; None is one head light.
+    background
+        Colour that lies behind the finished image; None is transparent.
+    """
+
+    layers: tuple[Layer, ...]
+    camera: Camera | str
+    lights: tuple[Light, ...]
+    background: Vector | None
+
+    def __init__(
+        self,
+        volume: Any = None,
+        *,
+        layers: Iterable[Layer] | None = None,
+        transfer: TransferFunction | None = None,
+        look: Look | None = None,
+        channel: int | str = 0,
+        time: int = 0,
+        camera: Camera | str = "front",
+        lights: Iterable[Light] | None = None,
+        background: Colour | None = (0.0, 0.0, 0.0),
+    ) -> None:
+        if (volume is None) == (layers is None):
+            raise DataError("scene", "needs either a volume or layers", "pass one of them")
+        if layers is None:
+            layers = [Layer(volume, transfer, look or Look(), channel=channel, time=time)]
+        elif transfer is not None or look is not None:
+            raise DataError("scene", "got layers beside transfer or look", "give these to the layers")
+        if isinstance(camera, str) and camera not in VIEWS:
+            raise ValueRangeError("scene.camera", f"is {camera!r}, must be a Camera or one of {', '.join(VIEWS)}")
+        object.__setattr__(self, "layers", tuple(layers))
+        object.__setattr__(self, "camera", camera)
+        object.__setattr__(self, "lights", (Light.head(),) if lights is None else tuple(lights))
+        object.__setattr__(self, "background", None if background is None else linear_rgb(background, "scene.background"))
+        if not self.layers:
+            raise DataError("scene.layers", "is empty", "pass at least one Layer")
+
+    @property
+    def visible_layers(self) -> tuple[Layer, ...]:
+        """Layers that are drawn."""
+        return tuple(layer for layer in self.layers if layer.visible)
+
+
+# -- views
+
+# Name of a view: direction from the middle of the object towards the eye, and up. LPS: x left, y posterior, z superior.
+VIEWS: dict[str, tuple[Vector, Vector]] = {
+    "front": ((0, -1, 0), (0, 0, 1)),
+    "back": ((0, 1, 0), (0, 0, 1)),
+    "left": ((1, 0, 0), (0, 0, 1)),
+    "right": ((-1, 0, 0), (0, 0, 1)),
+    "top": ((0, 0, 1), (0, -1, 0)),
+    "bottom": ((0, 0, -1), (0, -1, 0)),
+    "iso": ((0.55, -0.75, 0.35), (0, 0, 1)),
+}
+
+
+def fit_camera(
+    view: str,
+    points_world: FloatArray | Sequence[Vector],
+    aspect: float = 1.0,
+    fov_deg: float = 30.0,
+    margin: float = 1.05,
+) -> Camera:
+    """Perspective camera of a named view that shows all the points.
+
+    Parameters
+    ----------
+    view
+        One of ``VIEWS``.
+    points_world
+        Points (n, 3), e.g. the corners of a box.
+    aspect
+        Width of the image over its height.
+    fov_deg
+        Vertical angle of view in degrees.
+    margin
+        Factor by which the image is larger than what it must show.
+    """
+    if view not in VIEWS:
+        raise ValueRangeError("camera", f"is {view!r}, must be one of {', '.join(VIEWS)}")
+    points = np.asarray(points_world, dtype=np.float64)
+    target = (points.min(axis=0) + points.max(axis=0)) / 2
+    to_eye = np.asarray(VIEWS[view][0], dtype=np.float64)
+    to_eye /= np.linalg.norm(to_eye)
+    right = np.cross(-to_eye, VIEWS[view][1])
+    right /= np.linalg.norm(right)
+    up = np.cross(right, -to_eye)
+    tangent = math.tan(math.radians(fov_deg) / 2) / margin
+    from_target = points - target
+    # A point at depth z towards the eye, x to the side, is inside where |x| <= (distance - z) * tangent.
+    aside = np.maximum(np.abs(from_target @ right) / (tangent * aspect), np.abs(from_target @ up) / tangent)
+    distance = float((from_target @ to_eye + aside).max())
+    distance = max(distance, 1e-6 * float(np.abs(points).max()), 1e-12)
+    x, y, z = target + distance * to_eye
+    return Camera.perspective(eye=(x, y, z), target=tuple(target), up=VIEWS[view][1], fov_deg=fov_deg)

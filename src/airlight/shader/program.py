@@ -1,0 +1,294 @@
+"""Programs: what the host declares for a driver and its stages, linked with them into one text.
+
+Everything that the host knows reaches WGSL through ``import generated::...``: parameters of stages as members of one uniform
+struct, static fields as constants, textures and tables with their bindings. Bind groups: 0 frame, 1 layers, 2 tables, 3 pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from ..errors import StageError
+from ..stage import (
+    F32,
+    SLOTS,
+    U32,
+    GradientGrid,
+    Grid,
+    Mat3f,
+    Mat4f,
+    Resource,
+    Stage,
+    Table,
+    Vec2u,
+    Vec3f,
+    param,
+    stage_fields,
+    uniform_fields,
+)
+from .layout import Struct, class_struct, make_struct
+from .link import Generated, Linked, link, package_source, stage_source
+
+LUMINANCE_SUMS = 4096
+
+
+@dataclass(frozen=True)
+class FrameUniforms:
+    """The image, the part of it that a dispatch draws, and the step."""
+
+    size_px: Vec2u = param((1, 1), unit="px")
+    tile_origin_px: Vec2u = param((0, 0), unit="px")
+    tile_size_px: Vec2u = param((1, 1), unit="px")
+    band_first_row: U32 = param(0, unit="px")
+    band_rows: U32 = param(1, unit="px")
+    step_world: F32 = param(1.0, unit="world")
+    light_count: U32 = param(0)
+
+
+@dataclass(frozen=True, eq=False)
+class LayerUniforms:
+    """The grid of a layer, its place in the world, and how its texels become values."""
+
+    index_from_world: Mat4f = param(None)
+    gradient_world_from_index: Mat3f = param(None)
+    size: Vec3f = param((1.0, 1.0, 1.0), unit="voxel")
+    inverse_size: Vec3f = param((1.0, 1.0, 1.0), unit="1/voxel")
+    domain_low: Vec3f = param((0.0, 0.0, 0.0), unit="voxel")
+    domain_high: Vec3f = param((0.0, 0.0, 0.0), unit="voxel")
+    value_scale: F32 = param(1.0, unit="data")
+    value_offset: F32 = param(0.0, unit="data")
+    gradient_scale: F32 = param(1.0, unit="data/world")
+
+
+@dataclass(frozen=True)
+class LightRecord:
+    """A light as the device sees it; ``radius`` 0 means without fall-off."""
+
+    kind: U32 = param(0)
+    rgb: Vec3f = param((1.0, 1.0, 1.0), unit="radiance")
+    vector: Vec3f = param((0.0, 0.0, 1.0), unit="world")
+    radius: F32 = param(0.0, unit="world")
+
+
+@dataclass(frozen=True)
+class LuminanceUniforms:
+    """What the luminance pass found."""
+
+    log_average: F32 = param(0.0, unit="radiance")
+
+
+@dataclass(frozen=True)
+class SliceUniforms:
+    """The first of the slices of voxels that a dispatch computes."""
+
+    first_z: U32 = param(0, unit="voxel")
+
+
+EXTRA_UNIFORMS: dict[str, type] = {"luminance": LuminanceUniforms, "slice": SliceUniforms}
+
+# What passes write and read, by name: WGSL type, and format for storage textures.
+PASS_RESOURCES: dict[str, str] = {
+    "radiance": "array<vec4f>",
+    "depth": "array<vec2f>",
+    "sums": "array<vec2f>",
+    "gradients_out": "texture_storage_3d<rgba16float, write>",
+}
+
+
+@dataclass(frozen=True)
+class Traits:
+    """What of a device decides which program is linked."""
+
+    filters_float32: bool
+    workgroup: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Binding:
+    """A resource of a program. ``kind`` is uniform, lights, grid, gradients, table, sampler, buffer or storage_texture."""
+
+    group: int
+    index: int
+    name: str
+    type: str
+    kind: str
+    owner: tuple[str, int | None, str] = ("", None, "")
+
+    @property
+    def wgsl(self) -> str:
+        """Declaration."""
+        space = {"uniform": "<uniform>", "lights": "<storage, read>", "buffer": "<storage, read_write>"}.get(self.kind, "")
+        return f"@group({self.group}) @binding({self.index}) var{space} {self.name}: {self.type};"
+
+
+@dataclass(frozen=True)
+class Program:
+    """A linked text with its uniform struct and bindings."""
+
+    linked: Linked
+    uniforms: Struct
+    bindings: tuple[Binding, ...]
+    key: ProgramKey
+
+
+@dataclass(frozen=True)
+class StageKey:
+    """What of a stage decides the program's text: its class and static fields, and the kinds of its resources."""
+
+    cls: type[Stage]
+    statics: tuple[tuple[str, Any], ...]
+    resources: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class ProgramKey:
+    """What a program's text depends on; equal keys share text, module and pipeline."""
+
+    root: str
+    scene: tuple[tuple[str, StageKey], ...]
+    layers: tuple[tuple[tuple[str, StageKey], ...], ...]
+    outputs: tuple[str, ...]
+    extra: tuple[str, ...]
+    has_empty: bool
+    skips_empty: bool
+    traits: Traits
+
+    def __str__(self) -> str:
+        def one(slot: str, key: StageKey) -> str:
+            statics = ", ".join(f"{n}={v!r}" for n, v in key.statics)
+            return f"{slot}={key.cls.name}" + (f"({statics})" if statics else "")
+
+        scene = " ".join(one(*item) for item in self.scene)
+        layers = " | ".join(" ".join(one(*item) for item in layer) for layer in self.layers)
+        return f"{self.root} {scene} [{layers}] {self.traits}"
+
+
+def stage_key(stage: Stage, resources: Mapping[str, Resource] | None = None) -> StageKey:
+    """Key of a stage with the resources that it asks for."""
+    kinds = tuple((name, type(r).__name__) for name, r in (resources or {}).items())
+    return StageKey(type(stage), tuple(stage.statics().items()), kinds)
+
+
+@lru_cache(maxsize=128)
+def build_program(key: ProgramKey) -> Program:
+    """Declare and link what a key asks for.
+
+    Raises
+    ------
+    ShaderError
+        When the files do not link; see ``link``.
+    StageError
+        When a stage asks for a resource of an unknown kind.
+    """
+    build = _Builder()
+    members: list[tuple[str, str | Struct, str]] = [("frame", class_struct(FrameUniforms, "Frame"), "")]
+    build.names["frame", None, "frame"] = "uniforms.frame"
+    slots: dict[str, tuple[tuple[str, Any], ...]] = {}
+    for slot, stage in key.scene:
+        members += build.stage(slot, stage, None)
+        if slot in SLOTS:
+            slots[slot] = ((stage.cls.name, stage_source(stage.cls.wgsl, stage.cls.name)),)
+    for i, layer in enumerate(key.layers):
+        members.append((f"layer_{i}", class_struct(LayerUniforms, "Layer"), ""))
+        build.names["layer", i, "layer"] = f"uniforms.layer_{i}"
+        for slot, stage in layer:
+            members += build.stage(slot, stage, i)
+            slots[slot] = (*slots.get(slot, ()), (stage.cls.name, stage_source(stage.cls.wgsl, stage.cls.name)))
+    for name in key.extra:
+        cls = EXTRA_UNIFORMS[name]
+        members.append((name, class_struct(cls, name.title()), ""))
+        build.names[name, None, "params"] = f"uniforms.{name}"
+    slots["lookup"] = (
+        ("lookup", package_source("lookup/filtered.wgsl" if key.traits.filters_float32 else "lookup/loaded.wgsl")),
+    )
+    uniforms = make_struct("Uniforms", members)
+    build.bind(0, "uniforms", "Uniforms", "uniform")
+    if any(slot == "shade" for layer in key.layers for slot, _ in layer):
+        build.names["lights", None, "lights"] = build.bind(0, "lights", "array<LightRecord>", "lights")
+        build.names["lights", None, "LightRecord"] = "LightRecord"
+    for name in key.outputs:
+        kind = "buffer" if PASS_RESOURCES[name].startswith("array") else "storage_texture"
+        build.names["pass", None, name] = build.bind(3, name, PASS_RESOURCES[name], kind)
+    x, y = key.traits.workgroup
+    constants = {"WORKGROUP_X": x, "WORKGROUP_Y": y, "LUMINANCE_SUMS": LUMINANCE_SUMS}
+    for name in ("Values", "HAS_EMPTY", "SKIPS_EMPTY", *constants):
+        build.names["sizes", None, name] = name
+    structs = {m.struct.name: m.struct for m in uniforms.members if m.struct}
+    structs["LightRecord"] = class_struct(LightRecord, "LightRecord")
+    text = "\n".join(
+        [
+            "alias Values = f32;",
+            f"const SKIPS_EMPTY: bool = {str(key.skips_empty).lower()};",
+            f"const HAS_EMPTY: bool = {str(key.has_empty).lower()};",
+            *(f"const {name}: u32 = {value}u;" for name, value in constants.items()),
+            *build.constants,
+            *(struct.wgsl for struct in structs.values()),
+            uniforms.wgsl,
+            *(binding.wgsl for binding in build.bindings),
+        ]
+    )
+    linked = link(package_source(key.root), slots, Generated(text, build.names))
+    return Program(linked, uniforms, tuple(build.bindings), key)
+
+
+class _Builder:
+    """What is declared so far."""
+
+    def __init__(self) -> None:
+        self.names: dict[tuple[str, int | None, str], str] = {}
+        self.bindings: list[Binding] = []
+        self.constants: list[str] = []
+
+    def bind(
+        self, group: int, name: str, kind_wgsl: str, kind: str, owner: tuple[str, int | None, str] = ("", None, "")
+    ) -> str:
+        index = sum(b.group == group for b in self.bindings)
+        self.bindings.append(Binding(group, index, name, kind_wgsl, kind, owner))
+        return name
+
+    def stage(self, slot: str, key: StageKey, layer: int | None) -> list[tuple[str, str | Struct, str]]:
+        """Declare a stage's constants and resources; return its member of the uniform struct, if it has parameters."""
+        suffix = "" if layer is None else f"_{layer}"
+        for name, value in key.statics:
+            constant = f"{slot}_{name}{suffix}".upper()
+            self.constants.append(f"const {constant}: {_constant(key.cls, name, value)};")
+            self.names[slot, layer, name.upper()] = constant
+        for name, kind in key.resources:
+            self.resource(slot, layer, name, kind, f"{slot}_{name}{suffix}")
+        cls = key.cls.uniform_type or key.cls
+        if not uniform_fields(cls):
+            return []
+        self.names[slot, layer, "params"] = f"uniforms.{slot}{suffix}"
+        return [(f"{slot}{suffix}", class_struct(cls, f"{slot.title()}{cls.__name__}"), "")]
+
+    def resource(self, slot: str, layer: int | None, name: str, kind: str, full: str) -> None:
+        known = {
+            Table.__name__: (2, "texture_3d<f32>", "table"),
+            Grid.__name__: (1, "texture_3d<f32>", "grid"),
+            GradientGrid.__name__: (1, "texture_3d<f32>", "gradients"),
+        }
+        if kind not in known:
+            raise StageError(f"{slot}.{name}", f"asks for a {kind}", "use one of " + ", ".join(known))
+        group, type_wgsl, what = known[kind]
+        owner = (slot, layer, name)
+        self.names[slot, layer, name] = self.bind(group, full, type_wgsl, what, owner)
+        sampler = f"{name}_sampler"
+        self.names[slot, layer, sampler] = self.bind(group, f"{full}_sampler", "sampler", "sampler", owner)
+
+
+def _constant(cls: type[Stage], name: str, value: Any) -> str:
+    """Type and value of a static field; a word becomes its number among the choices."""
+    if isinstance(value, bool):
+        return f"bool = {str(value).lower()}"
+    if isinstance(value, int):
+        return f"i32 = {value}"
+    if isinstance(value, float):
+        return f"f32 = {value!r}"
+    field = next(f for f in stage_fields(cls) if f.name == name)
+    choices = field.metadata["bounds"].choices
+    if value not in choices:
+        raise StageError(f"{cls.__name__}.{name}", f"is {value!r}", "static fields are bool, int, float or one of choices")
+    return f"u32 = {choices.index(value)}u"

@@ -1,0 +1,333 @@
+"""What a stage is: a frozen dataclass, the slot that it fills, its parameters, and what it needs on the device.
+
+A stage is the host half of one exchangeable step; its device half is a WGSL file. A new stage is one dataclass, one WGSL
+file and one function of the reference; the command line, the viewer, parity tests and tables of the docs follow from the class.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, get_type_hints
+
+import numpy as np
+import numpy.typing as npt
+
+from .errors import StageError, ValueRangeError
+
+if TYPE_CHECKING:
+    from .transfer.function import TransferFunction
+    from .volume import Volume
+
+# -- types of WGSL, as annotations that a type checker sees as plain Python types
+
+F32 = Annotated[float, "f32"]
+I32 = Annotated[int, "i32"]
+U32 = Annotated[int, "u32"]
+Bool = Annotated[bool, "u32"]  # bool cannot be shared with a host
+Vec2f = Annotated[tuple[float, float], "vec2f"]
+Vec3f = Annotated[tuple[float, float, float], "vec3f"]
+Vec4f = Annotated[tuple[float, float, float, float], "vec4f"]
+Vec2u = Annotated[tuple[int, int], "vec2u"]
+Vec3u = Annotated[tuple[int, int, int], "vec3u"]
+Mat3f = Annotated[npt.NDArray[np.float64], "mat3x3f"]
+Mat4f = Annotated[npt.NDArray[np.float64], "mat4x4f"]
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What a parameter may be: an interval, or one of several words."""
+
+    above: float | None = None
+    at_least: float | None = None
+    below: float | None = None
+    up_to: float | None = None
+    choices: tuple[str, ...] = ()
+
+    def allows(self, value: Any) -> bool:
+        """Whether the value, or each component of a vector, is finite and lies inside."""
+        if self.choices:
+            return value in self.choices
+        if value is None or isinstance(value, (str, bool)):
+            return True
+        parts = np.asarray(value, dtype=np.float64)
+        return bool(
+            np.isfinite(parts).all()
+            and (self.above is None or (parts > self.above).all())
+            and (self.at_least is None or (parts >= self.at_least).all())
+            and (self.below is None or (parts < self.below).all())
+            and (self.up_to is None or (parts <= self.up_to).all())
+        )
+
+    def __str__(self) -> str:
+        if self.choices:
+            return "must be one of " + ", ".join(self.choices)
+        low, high = (self.above, self.at_least), (self.below, self.up_to)
+        if low == (None, None) and high == (None, None):
+            return "must be finite"
+        left = f"({self.above:g}" if self.above is not None else f"[{self.at_least:g}" if self.at_least is not None else "(-inf"
+        right = f"{self.below:g})" if self.below is not None else f"{self.up_to:g}]" if self.up_to is not None else "inf)"
+        return f"must lie in {left}, {right}"
+
+
+def param(
+    default: Any,
+    *,
+    unit: str = "1",
+    above: float | None = None,
+    at_least: float | None = None,
+    below: float | None = None,
+    up_to: float | None = None,
+    help: str = "",
+) -> Any:
+    """Field of a stage that becomes a uniform: changing it changes bytes on the device and nothing else."""
+    bounds = Bounds(above=above, at_least=at_least, below=below, up_to=up_to)
+    return dataclasses.field(default=default, metadata={"kind": "param", "unit": unit, "bounds": bounds, "help": help})
+
+
+def static(default: Any, *, choices: tuple[str, ...] = (), help: str = "") -> Any:
+    """Field of a stage that becomes a constant of the program: changing it links another program."""
+    return dataclasses.field(
+        default=default, metadata={"kind": "static", "unit": "", "bounds": Bounds(choices=choices), "help": help}
+    )
+
+
+# -- what a stage asks of the device
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A table of float32 texels, ``(depth, height, width, 4)``.
+
+    WGSL reads it through ``slot::lookup::table_at(name, name_sampler, place_unit)``, linear between entries.
+    """
+
+    texels: npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Samples of one channel at one time step as a 3-D texture.
+
+    ``filtered`` when the sampler interpolates; ``masked`` when empty samples are marked by ``EMPTY``, in 32-bit floats.
+    """
+
+    volume: Volume
+    channel: int
+    time: int
+    filtered: bool
+    masked: bool = False
+
+
+@dataclass(frozen=True)
+class GradientGrid:
+    """Gradients at all voxels as a 3-D texture, made on the device by the gradient stage ``method``."""
+
+    method: Stage
+
+
+Resource = Table | Grid | GradientGrid
+
+
+@dataclass(frozen=True)
+class Context:
+    """What a stage may look at when it makes its uniforms and resources."""
+
+    volume: Volume
+    transfer: TransferFunction
+    channel: int
+    time: int
+    step_world: float
+    size_px: tuple[int, int]
+
+
+class Stage:
+    """Base of all stages; see ``docs/slots`` for each slot's contract.
+
+    Attributes
+    ----------
+    slot
+        Name of the slot that the stage fills.
+    name
+        What users type.
+    wgsl
+        The device half: a path below ``airlight/wgsl``, a ``Path`` anywhere, or the text itself if it has several lines.
+    uniform_type
+        Dataclass that is packed for the device; None when it is the stage itself.
+    reads
+        Names of the passes whose results the stage reads.
+    """
+
+    slot: ClassVar[str]
+    name: ClassVar[str]
+    wgsl: ClassVar[str | Path]
+    uniform_type: ClassVar[type | None] = None
+    reads: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        """Check every parameter against its bounds."""
+        for field in stage_fields(type(self)):
+            value, bounds = getattr(self, field.name), field.metadata["bounds"]
+            if not bounds.allows(value):
+                raise ValueRangeError(f"{self.slot}.{self.name}.{field.name}", f"is {value!r}, {bounds}")
+
+    def uniforms(self, context: Context) -> Any:
+        """Return the value to be packed for the device, an instance of ``uniform_type`` or of the stage."""
+        return self
+
+    def resources(self, context: Context) -> Mapping[str, Resource]:
+        """Return textures and tables by the names under which WGSL imports them."""
+        return {}
+
+    def statics(self) -> dict[str, Any]:
+        """Return the fields that are part of the program's key."""
+        return {f.name: getattr(self, f.name) for f in stage_fields(type(self)) if f.metadata["kind"] == "static"}
+
+
+StageType = TypeVar("StageType", bound=type[Stage])
+
+
+def stage_fields(cls: type) -> tuple[dataclasses.Field[Any], ...]:
+    """Fields of a stage that were made by ``param`` or ``static``."""
+    return tuple(f for f in dataclasses.fields(cls) if "kind" in f.metadata)
+
+
+def uniform_fields(cls: type) -> list[tuple[str, str, str]]:
+    """(name, WGSL type, unit) of the fields that are packed for the device, in the order of the class."""
+    hints = get_type_hints(cls, include_extras=True)
+    found = []
+    for field in dataclasses.fields(cls):
+        if field.metadata.get("kind", "param") != "param":
+            continue
+        meta = getattr(hints[field.name], "__metadata__", None)
+        if meta is None:
+            raise StageError(f"{cls.__name__}.{field.name}", "has no WGSL type", "annotate it with F32, Vec3f, ...")
+        found.append((field.name, str(meta[0]), str(field.metadata.get("unit", ""))))
+    return found
+
+
+# -- slots
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A place that a stage fills: the WGSL functions that it must define, and those that it may."""
+
+    name: str
+    functions: Mapping[str, str]
+    optional: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    per_layer: bool = False
+    help: str = ""
+
+
+SLOTS: dict[str, Slot] = {
+    slot.name: slot
+    for slot in (
+        Slot(
+            "driver",
+            {"main": "fn(vec3u)"},
+            help="What walks through the volume and calls the other slots.",
+        ),
+        Slot(
+            "camera",
+            {"eye_ray": "fn(vec2f) -> Ray"},
+            help="The ray of a pixel.",
+        ),
+        Slot(
+            "field",
+            {
+                "locate": "fn(vec3f) -> Place",
+                "field_value": "fn(Place) -> Values",
+                "extent": "fn(Place, vec3f) -> f32",
+            },
+            per_layer=True,
+            help="The continuous function that reconstruction makes of the samples.",
+        ),
+        Slot(
+            "gradient",
+            {"field_gradient": "fn(Place) -> vec3f"},
+            per_layer=True,
+            help="The derivative of the field, in data units per world unit.",
+        ),
+        Slot(
+            "transfer",
+            {"medium": "fn(Sample) -> Medium", "classify": "fn(Sample, Sample, f32) -> Slab"},
+            {"next_crossing": "fn(Sample, Sample, f32) -> f32", "empty_slab": "fn(Sample, Sample) -> bool"},
+            per_layer=True,
+            help="From values to colour and extinction, at a sample and over a slab.",
+        ),
+        Slot(
+            "shade",
+            {"light": "fn(Sample, vec3f, vec3f) -> Lit"},
+            per_layer=True,
+            help="How a point answers to light.",
+        ),
+        Slot(
+            "visibility",
+            {"visibility": "fn(u32, vec3f) -> vec3f", "ambient_visibility": "fn(vec3f) -> f32"},
+            help="How much of a light reaches a point.",
+        ),
+        Slot(
+            "lighting",
+            {"light_slab": "fn(Sample, Sample, Slab, Ray) -> vec3f"},
+            per_layer=True,
+            help="Where within a slab light is evaluated.",
+        ),
+        Slot(
+            "integrate",
+            {
+                "begin": "fn() -> Accumulated",
+                "take": "fn(ptr<function, Accumulated>, Sample, Sample, Slab, vec3f, f32) -> bool",
+                "finish": "fn(Accumulated) -> Result",
+            },
+            {"surface": "fn(Sample, Sample) -> f32"},
+            help="What becomes of the slabs along a ray.",
+        ),
+        Slot(
+            "tone",
+            {"tone": "fn(vec3f, vec2f) -> vec3f"},
+            help="From the scene's radiance to what a display can show.",
+        ),
+    )
+}
+
+STAGES: dict[str, dict[str, type[Stage]]] = {name: {} for name in SLOTS}
+
+
+def register(cls: StageType) -> StageType:
+    """Make a stage known by its name, to the API and the command line. Usable as a decorator.
+
+    Raises
+    ------
+    StageError
+        When the class is no frozen dataclass, names no slot, has no device half, or its name is taken by another class.
+    """
+    where = getattr(cls, "__qualname__", str(cls))
+    if not (isinstance(cls, type) and issubclass(cls, Stage)):
+        raise StageError(where, "is no stage", "derive it from airlight.Stage")
+    if not dataclasses.is_dataclass(cls) or not cls.__dataclass_params__.frozen:
+        raise StageError(where, "is no frozen dataclass", "decorate it with @dataclass(frozen=True)")
+    for attribute in ("slot", "name", "wgsl"):
+        if not hasattr(cls, attribute):
+            raise StageError(where, f"has no {attribute!r}", "set it as a ClassVar")
+    if cls.slot not in SLOTS:
+        raise StageError(where, f"names the slot {cls.slot!r}", "choose one of " + ", ".join(SLOTS))
+    known = STAGES[cls.slot].get(cls.name)
+    if known is not None and known is not cls and (known.__module__, known.__qualname__) != (cls.__module__, where):
+        raise StageError(where, f"takes the name {cls.name!r} of {known.__qualname__} in slot {cls.slot}", "rename it")
+    uniform_fields(cls.uniform_type or cls)
+    STAGES[cls.slot][cls.name] = cls
+    return cls
+
+
+def make_stage(slot: str, choice: str | Stage) -> Stage:
+    """Return the stage of a slot, given by name or as it is."""
+    if isinstance(choice, Stage):
+        if choice.slot != slot:
+            raise StageError(f"look.{slot}", f"got {type(choice).__name__}, a stage of the slot {choice.slot}")
+        return choice
+    if choice not in STAGES[slot]:
+        raise ValueRangeError(f"look.{slot}", f"is {choice!r}, must be one of " + ", ".join(sorted(STAGES[slot])))
+    return STAGES[slot][choice]()

@@ -1,0 +1,120 @@
+"""Cameras: values that users make with ``airlight.Camera``, and the rays of their pixels."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..errors import ValueRangeError
+from ..stage import F32, Context, Stage, Vec3f, param, register
+from ..volume import FloatArray
+
+
+@dataclass(frozen=True)
+class CameraFrame:
+    """What the device needs of a camera; ``right`` and ``up`` span half the image at distance one, or in world units."""
+
+    eye: Vec3f = param((0.0, 0.0, 0.0), unit="world")
+    forward: Vec3f = param((0.0, 0.0, 1.0), unit="1")
+    right: Vec3f = param((1.0, 0.0, 0.0), unit="world")
+    up: Vec3f = param((0.0, 1.0, 0.0), unit="world")
+    near: F32 = param(0.0, unit="world")
+
+
+class Camera(Stage):
+    """A camera, as a value. Make one with ``Camera.perspective`` or ``Camera.orthographic``.
+
+    ``eye``, ``target`` and ``up`` are world points and a direction, as x, y, z. Distances along rays are measured from the
+    eye, for orthographic cameras from the plane through the eye.
+    """
+
+    slot: ClassVar[str] = "camera"
+    uniform_type: ClassVar[type] = CameraFrame
+    eye: Vec3f
+    target: Vec3f
+    up: Vec3f
+
+    @staticmethod
+    def perspective(*, eye: Vec3f, target: Vec3f, up: Vec3f = (0.0, 0.0, 1.0), fov_deg: float = 30.0) -> Perspective:
+        """Camera with a vertical angle of view ``fov_deg`` in degrees."""
+        return Perspective(eye=_point(eye), target=_point(target), up=_point(up), fov_deg=float(fov_deg))
+
+    @staticmethod
+    def orthographic(*, eye: Vec3f, target: Vec3f, up: Vec3f = (0.0, 0.0, 1.0), height: float = 1.0) -> Orthographic:
+        """Camera with parallel rays that shows ``height`` world units from bottom to top."""
+        return Orthographic(eye=_point(eye), target=_point(target), up=_point(up), height=float(height))
+
+    def __post_init__(self) -> None:
+        """Check the parameters and that the three vectors span a frame."""
+        super().__post_init__()
+        self.basis()
+
+    def basis(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return unit vectors to the right, up and forward, float64."""
+        eye, target, up = (np.asarray(v, dtype=np.float64) for v in (self.eye, self.target, self.up))
+        forward = target - eye
+        right = np.cross(forward, up)
+        if np.linalg.norm(right) <= 1e-9 * float(np.linalg.norm(forward) * np.linalg.norm(up)):
+            raise ValueRangeError(
+                f"camera.{self.name}",
+                f"looks from {self.eye} to {self.target} with up {self.up}",
+                "eye and target must differ, and up must not be parallel to the view",
+            )
+        forward /= np.linalg.norm(forward)
+        right /= np.linalg.norm(right)
+        return right, np.cross(right, forward), forward
+
+
+def _point(value: Vec3f) -> tuple[float, float, float]:
+    if np.shape(value) != (3,):
+        raise ValueRangeError("camera", f"got {value!r}", "give three numbers, x, y, z")
+    x, y, z = value
+    return float(x), float(y), float(z)
+
+
+def _frame(camera: Camera, half_height: float, size_px: tuple[int, int]) -> CameraFrame:
+    right, up, forward = camera.basis()
+    half_width = half_height * size_px[0] / size_px[1]
+    return CameraFrame(
+        eye=camera.eye,
+        forward=_point(tuple(forward)),
+        right=_point(tuple(right * half_width)),
+        up=_point(tuple(up * half_height)),
+    )
+
+
+@register
+@dataclass(frozen=True)
+class Perspective(Camera):
+    """Rays from one point; distance is measured along the ray."""
+
+    name: ClassVar[str] = "perspective"
+    wgsl: ClassVar[str] = "camera/perspective.wgsl"
+    eye: Vec3f = param((0.0, -4.0, 0.0), unit="world", help="position of the eye")
+    target: Vec3f = param((0.0, 0.0, 0.0), unit="world", help="point in the middle of the image")
+    up: Vec3f = param((0.0, 0.0, 1.0), unit="1", help="direction that is up in the image")
+    fov_deg: F32 = param(30.0, unit="degree", above=0, below=180, help="vertical angle of view")
+
+    def uniforms(self, context: Context) -> CameraFrame:
+        """Return the frame for the image's size."""
+        return _frame(self, math.tan(math.radians(self.fov_deg) / 2), context.size_px)
+
+
+@register
+@dataclass(frozen=True)
+class Orthographic(Camera):
+    """Parallel rays; distance is measured from the plane through the eye."""
+
+    name: ClassVar[str] = "orthographic"
+    wgsl: ClassVar[str] = "camera/orthographic.wgsl"
+    eye: Vec3f = param((0.0, -4.0, 0.0), unit="world", help="point in the plane from which distance is measured")
+    target: Vec3f = param((0.0, 0.0, 0.0), unit="world", help="point in the middle of the image")
+    up: Vec3f = param((0.0, 0.0, 1.0), unit="1", help="direction that is up in the image")
+    height: F32 = param(1.0, unit="world", above=0, help="what the image shows from bottom to top")
+
+    def uniforms(self, context: Context) -> CameraFrame:
+        """Return the frame for the image's size."""
+        return _frame(self, self.height / 2, context.size_px)

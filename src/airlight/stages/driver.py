@@ -1,0 +1,19 @@
+"""Drivers: what walks through the volume and calls the slots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..stage import Stage, register, static
+
+
+@register
+@dataclass(frozen=True)
+class March(Stage):
+    """One ray a pixel, sampled at equal distances from the eye, slab by slab."""
+
+    slot: ClassVar[str] = "driver"
+    name: ClassVar[str] = "march"
+    wgsl: ClassVar[str] = "march.wgsl"
+    offsets: str = static("none", choices=("none", "interleaved"), help="shift of the samples along each ray")

@@ -1,0 +1,88 @@
+"""What becomes of the slabs along a ray."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..stage import F32, Context, Stage, param, register
+
+
+class Integrate(Stage):
+    """Base of the integrate stages.
+
+    ``uses_slabs`` tells whether they need colour and opacity of slabs; ``skips_empty`` whether empty slabs leave them as
+    they are.
+    """
+
+    slot: ClassVar[str] = "integrate"
+    uses_slabs: ClassVar[bool] = False
+    skips_empty: ClassVar[bool] = False
+
+
+@register
+@dataclass(frozen=True)
+class EmissionAbsorption(Integrate):
+    """Front-to-back compositing of emitted and scattered light under absorption.
+
+    Depth is where opacity passes one half.
+    """
+
+    name: ClassVar[str] = "emission_absorption"
+    wgsl: ClassVar[str] = "integrate/emission_absorption.wgsl"
+    uses_slabs: ClassVar[bool] = True
+    skips_empty: ClassVar[bool] = True
+    opaque_at: F32 = param(0.9995, above=0, up_to=1, help="opacity at which a ray ends")
+
+
+@register
+@dataclass(frozen=True)
+class Mip(Integrate):
+    """Maximum intensity projection: the greatest value along the ray, in the function's colour. Depth is where it lies."""
+
+    name: ClassVar[str] = "mip"
+    wgsl: ClassVar[str] = "integrate/mip.wgsl"
+
+
+@register
+@dataclass(frozen=True)
+class MinIp(Integrate):
+    """Minimum intensity projection: the least value along the ray, in the function's colour. Depth is where it lies."""
+
+    name: ClassVar[str] = "minip"
+    wgsl: ClassVar[str] = "integrate/minip.wgsl"
+
+
+@register
+@dataclass(frozen=True)
+class Mean(Integrate):
+    """The mean value along the ray's way through the domain, in the function's colour. It has no depth."""
+
+    name: ClassVar[str] = "mean"
+    wgsl: ClassVar[str] = "integrate/mean.wgsl"
+
+
+@dataclass(frozen=True)
+class FirstHitUniforms:
+    """First hit with the iso-value resolved."""
+
+    iso: F32 = param(0.0, unit="data")
+
+
+@register
+@dataclass(frozen=True)
+class FirstHit(Integrate):
+    """The front surface at the value ``iso``: opaque, lit, in the function's colour there. Depth is the hit.
+
+    Without ``iso`` it is the value at which the transfer function reaches half of its greatest extinction.
+    """
+
+    name: ClassVar[str] = "first_hit"
+    wgsl: ClassVar[str] = "integrate/first_hit.wgsl"
+    uniform_type: ClassVar[type] = FirstHitUniforms
+    uses_slabs: ClassVar[bool] = True
+    iso: F32 | None = param(None, unit="data", help="value of the surface")
+
+    def uniforms(self, context: Context) -> FirstHitUniforms:
+        """Return the iso-value."""
+        return FirstHitUniforms(context.transfer.half_extinction_value if self.iso is None else self.iso)

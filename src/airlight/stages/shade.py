@@ -1,0 +1,74 @@
+"""How a point answers to light."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..stage import F32, Bool, Context, Stage, param, register
+from ..volume import statistics
+
+
+class Shade(Stage):
+    """Base of the shade stages; ``lit`` tells whether normals and lights are needed at all."""
+
+    slot: ClassVar[str] = "shade"
+    lit: ClassVar[bool] = True
+
+
+@register
+@dataclass(frozen=True)
+class NoShade(Shade):
+    """The transfer function's colour as it is: the medium glows."""
+
+    name: ClassVar[str] = "none"
+    wgsl: ClassVar[str] = "shade/none.wgsl"
+    lit: ClassVar[bool] = False
+
+
+@dataclass(frozen=True)
+class BlinnPhongUniforms:
+    """Blinn-Phong with the gradient threshold resolved."""
+
+    ambient: F32 = param(0.0)
+    diffuse: F32 = param(0.0)
+    specular: F32 = param(0.0)
+    shininess: F32 = param(0.0)
+    gradient_threshold: F32 = param(0.0, unit="data/world")
+    two_sided: Bool = param(True)
+
+
+@register
+@dataclass(frozen=True)
+class BlinnPhong(Shade):
+    """Ambient, diffuse and specular light at the gradient, without the factor 1/pi; specular light is white.
+
+    ``rgb * (ambient + sum_l L_l * diffuse * |n.l|) + sum_l L_l * specular * |n.h|^shininess``, weighted by opacity. Below
+    ``gradient_threshold`` a normal means nothing and ambient light alone is left; None takes 1/500 of the data's
+    robust range (percentiles 0.5 to 99.5) per smallest voxel spacing.
+    """
+
+    name: ClassVar[str] = "blinn_phong"
+    wgsl: ClassVar[str] = "shade/blinn_phong.wgsl"
+    uniform_type: ClassVar[type] = BlinnPhongUniforms
+    ambient: F32 = param(0.1, at_least=0, help="share of the colour that needs no light")
+    diffuse: F32 = param(0.7, at_least=0, help="share of the colour that follows the angle to the light")
+    specular: F32 = param(0.2, at_least=0, help="strength of the white highlight")
+    shininess: F32 = param(20.0, unit="1", above=0, up_to=10_000, help="exponent: larger means a smaller highlight")
+    gradient_threshold: F32 | None = param(
+        None, unit="data/world", at_least=0, help="gradient below which only ambient light is left"
+    )
+    two_sided: Bool = param(True, help="whether surfaces are lit from behind, too")
+
+    def uniforms(self, context: Context) -> BlinnPhongUniforms:
+        """Return the parameters with the automatic threshold resolved."""
+        threshold = self.gradient_threshold
+        if threshold is None:
+            threshold = automatic_threshold(context)
+        return BlinnPhongUniforms(self.ambient, self.diffuse, self.specular, self.shininess, threshold, self.two_sided)
+
+
+def automatic_threshold(context: Context) -> float:
+    """1/500 of the robust range of the values per smallest spacing, in data units per world unit."""
+    known = statistics(context.volume, context.channel, context.time)
+    return 0.002 * (known.percentile(99.5) - known.percentile(0.5)) / min(context.volume.spacing)

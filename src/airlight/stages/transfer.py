@@ -1,0 +1,99 @@
+"""From values to colour and extinction, at a sample and over a slab."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from ..stage import F32, U32, Bool, Context, Resource, Stage, Table, Vec4f, param, register, static
+from ..transfer import TransferFunction
+from ..transfer.tables import LENGTHS, function_table, slab_table
+
+
+@dataclass(frozen=True)
+class FunctionUniforms:
+    """Where the axes of the tables lie, and at which slab length the table of slabs was made."""
+
+    first_value: F32 = param(0.0, unit="data")
+    last_value: F32 = param(1.0, unit="data")
+    per_value: F32 = param(1.0, unit="1/data")
+    function_entries: U32 = param(2)
+    slab_entries: U32 = param(2)
+    empty_below: F32 = param(0.0, unit="data")
+    empty_above: F32 = param(0.0, unit="data")
+    first_medium: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
+    last_medium: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
+    slab_lengths: U32 = param(2)
+    slab_length: F32 = param(1.0, unit="world")
+    associated: Bool = param(False)
+
+
+class Transfer(Stage):
+    """Base of the transfer stages: the function itself as a table of (colour, extinction)."""
+
+    slot: ClassVar[str] = "transfer"
+    uniform_type: ClassVar[type] = FunctionUniforms
+
+    def uniforms(self, context: Context) -> FunctionUniforms:
+        """Return the axes of the tables."""
+        tf = context.transfer
+        function = function_table(tf)
+        return FunctionUniforms(
+            first_value=function.first_value,
+            last_value=function.last_value,
+            per_value=1.0 / (function.last_value - function.first_value),
+            function_entries=function.entries,
+            empty_below=max(tf.empty_ends[0], -3e38),
+            empty_above=min(tf.empty_ends[1], 3e38),
+            first_medium=_source_and_extinction(tf, tf.domain[0], before=True),
+            last_medium=_source_and_extinction(tf, tf.domain[1]),
+            associated=tf.associated,
+        )
+
+    def resources(self, context: Context) -> Mapping[str, Resource]:
+        """Return the table of the function."""
+        return {"function": Table(function_table(context.transfer).texels)}
+
+
+def _source_and_extinction(function: TransferFunction, value: float, before: bool = False) -> tuple[float, float, float, float]:
+    """Medium beyond an end of the function."""
+    here = np.nextafter(value, -np.inf) if before else value
+    r, g, b = function.source(here)
+    return float(r), float(g), float(b), float(function(here)[1])
+
+
+@register
+@dataclass(frozen=True)
+class PostClassified(Transfer):
+    """Interpolate values, then classify: a slab is a homogeneous medium, that of the mean of its two values."""
+
+    name: ClassVar[str] = "postclassified"
+    wgsl: ClassVar[str] = "transfer/postclassified.wgsl"
+
+
+@register
+@dataclass(frozen=True)
+class PreIntegrated(Transfer):
+    """The function integrated along the straight line between a slab's two values, from a table made in float64.
+
+    Engel and Ertl, section 6; the table holds mean extinction and attenuated mean source, see ``docs/slots/transfer.md``.
+    ``entries`` is the table's size along each value axis; 0 chooses it from the function.
+    """
+
+    name: ClassVar[str] = "preintegrated"
+    wgsl: ClassVar[str] = "transfer/preintegrated.wgsl"
+    entries: int = static(0, help="size of the table along each axis; 0 chooses it from the function")
+
+    def uniforms(self, context: Context) -> FunctionUniforms:
+        """Return the axes of the tables."""
+        base = super().uniforms(context)
+        table = slab_table(context.transfer, context.step_world, self.entries)
+        return replace(base, slab_entries=table.entries, slab_lengths=LENGTHS, slab_length=context.step_world)
+
+    def resources(self, context: Context) -> Mapping[str, Resource]:
+        """Return the tables of the function and of slabs."""
+        table = slab_table(context.transfer, context.step_world, self.entries)
+        return {**super().resources(context), "slabs": Table(table.texels)}

@@ -1,0 +1,226 @@
+"""Tables of transfer functions, made in float64: the function itself, and its integrals over slabs.
+
+A slab is a piece of a ray of length ``d`` along which the value runs straight from ``s_front`` to ``s_back`` (Engel and
+Ertl, section 6). Its extinction integral is exact for any length from the mean extinction alone. Its colour is kept as the
+attenuated mean source ``K`` [1/world],
+
+    C = K * (1 - exp(-tau d)) / tau,        tau the mean extinction,
+
+which has no division by a vanishing opacity, serves associated colours too, and varies so slowly with length that
+a few layers from 0 to d give any shorter slab (first and last of a ray, beyond the function's ends, cut by a clip).
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import ValueRangeError
+from .function import FloatArray, TransferFunction
+
+ENTRIES_PER_SEGMENT = 4
+FUNCTION_ENTRIES = (256, 4096)
+SLAB_ENTRIES = (64, 1024)
+GAUSS_NODES = 4
+LENGTHS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class ValueTable:
+    """Texels, float32, whose axes run over values from ``first_value`` to ``last_value``, both ends included."""
+
+    texels: npt.NDArray[np.float32]
+    first_value: float
+    last_value: float
+
+    @property
+    def entries(self) -> int:
+        """Number of entries along a value axis."""
+        return int(self.texels.shape[-2])
+
+
+def value_axis(function: TransferFunction) -> tuple[float, float]:
+    """First and last value of the tables' axes; a function of one value gets an axis of width one around it."""
+    first, last = function.domain
+    if last > first:
+        return first, last
+    return first - 0.5, last + 0.5
+
+
+def entries_needed(function: TransferFunction, least: int, most: int) -> int:
+    """Power of two of entries that gives the narrowest segment ``ENTRIES_PER_SEGMENT``, within limits.
+
+    A step has no width: it is drawn as wide as one entry, and the most entries are taken.
+    """
+    first, last = value_axis(function)
+    widths = np.diff(function.values)
+    if widths.size == 0:
+        return least
+    narrowest = float(widths.min())
+    if narrowest <= 0:
+        return most
+    wanted = ENTRIES_PER_SEGMENT * (last - first) / narrowest
+    return int(np.clip(1 << int(np.ceil(np.log2(max(wanted, 2)))), least, most))
+
+
+@lru_cache(maxsize=16)
+def function_table(function: TransferFunction) -> ValueTable:
+    """Colour and extinction at evenly spaced values: ``(1, 1, n, 4)`` of (r, g, b, extinction)."""
+    first, last = value_axis(function)
+    n = entries_needed(function, *FUNCTION_ENTRIES)
+    rgb, extinction = function(np.linspace(first, last, n))
+    texels = np.concatenate([rgb, extinction[:, None]], axis=1).astype(np.float32)[None, None]
+    return ValueTable(texels, first, last)
+
+
+@lru_cache(maxsize=8)
+def slab_table(function: TransferFunction, length: float, entries: int = 0) -> ValueTable:
+    """Integrals over slabs: ``(LENGTHS, n, n, 4)`` of (attenuated mean source, mean extinction), row back, column front.
+
+    Parameters
+    ----------
+    function
+        The transfer function.
+    length
+        Length of a whole slab in world units; the layers are for lengths from 0 to ``length``.
+    entries
+        Size along each value axis; 0 chooses it from the function.
+
+    Raises
+    ------
+    ValueRangeError
+        When ``entries`` lies outside of 2 to 4096, or ``length`` is not positive.
+    """
+    if entries and not 2 <= entries <= 4096:
+        raise ValueRangeError("transfer.preintegrated.entries", f"is {entries}, must lie in [2, 4096] or be 0")
+    if not length > 0:
+        raise ValueRangeError("transfer.preintegrated", f"got slabs of length {length}, must be positive")
+    first, last = value_axis(function)
+    n = entries or entries_needed(function, *SLAB_ENTRIES)
+    texels = np.empty((LENGTHS, n, n, 4), dtype=np.float32)
+    segments = _Segments.of(function, first, last, n)
+    _fill_means(texels, segments, function, np.linspace(first, last, n))
+    _fill_attenuated(texels, segments, length * np.arange(1, LENGTHS) / (LENGTHS - 1))
+    return ValueTable(texels, first, last)
+
+
+@dataclass(frozen=True, eq=False)
+class _Segments:
+    """The function between neighbouring entries, at Gauss nodes; no control point between entries is lost.
+
+    ``source`` (n-1, q, 3), ``weight`` (n-1, q) and ``depth`` (n-1, q): source, quadrature weight, and extinction integrated
+    from the segment's lower end over values; ``total`` (n-1): extinction integrated over the segment. All per unit of value.
+    """
+
+    source: FloatArray
+    weight: FloatArray
+    depth: FloatArray
+    total: FloatArray
+    step: float
+
+    @classmethod
+    def of(cls, function: TransferFunction, first: float, last: float, n: int) -> _Segments:
+        nodes, weights = np.polynomial.legendre.leggauss(GAUSS_NODES)
+        ends = np.linspace(first, last, n)
+        step = (last - first) / (n - 1)
+        # Break each segment at the control points inside it; pieces of no width weigh nothing.
+        inside = [function.values[(function.values > a) & (function.values < b)] for a, b in itertools.pairwise(ends)]
+        pieces = 1 + max(len(i) for i in inside)
+        breaks = np.stack(
+            [np.concatenate([[a], i, np.full(pieces - len(i), b)]) for a, b, i in zip(ends, ends[1:], inside, strict=False)]
+        )
+        width = np.diff(breaks, axis=1)[..., None]
+        middle = (breaks[:, 1:] + breaks[:, :-1])[..., None] / 2
+        values = middle + nodes * width / 2
+        # Steps belong to the side that a piece lies on: nodes lie strictly inside, so evaluation picks it by itself.
+        rgb_source = function.source(values)
+        low = breaks[:, :-1, None]
+        _, tau_low = function(np.nextafter(low, np.inf))
+        _, tau_here = function(values)
+        within = (values - low) * (tau_low + tau_here) / 2
+        _, tau_high = function(np.nextafter(breaks[:, 1:, None], -np.inf))
+        piece_total = np.where(width > 0, width * (tau_low + tau_high) / 2, 0.0)
+        before = np.cumsum(piece_total, axis=1) - piece_total
+        m = n - 1
+        return cls(
+            source=rgb_source.reshape(m, -1, 3),
+            weight=(weights / 2 * width).reshape(m, -1),
+            depth=np.where(width > 0, before + within, 0.0).reshape(m, -1),
+            total=piece_total.sum(axis=(1, 2)),
+            step=step,
+        )
+
+
+def _fill_means(texels: npt.NDArray[np.float32], segments: _Segments, function: TransferFunction, values: FloatArray) -> None:
+    """Mean source and mean extinction of all pairs: differences of antiderivatives over the difference of values."""
+    n = len(values)
+    mean_source = np.einsum("kq,kqc->kc", segments.weight, segments.source)
+    antiderivative = np.zeros((n, 4))
+    np.cumsum(np.concatenate([mean_source, segments.total[:, None]], axis=1), axis=0, out=antiderivative[1:])
+    difference = antiderivative[:, None, :] - antiderivative[None, :, :]
+    span = (np.arange(n)[:, None] - np.arange(n)[None, :]) * segments.step
+    np.fill_diagonal(span, 1.0)
+    means = difference / span[..., None]
+    _, extinction = function(values)
+    diagonal = np.arange(n)
+    means[diagonal, diagonal, :3] = function.source(values)
+    means[diagonal, diagonal, 3] = extinction
+    np.maximum(means, 0.0, out=means)
+    texels[0] = means
+    texels[1:, ..., 3] = means[..., 3]
+    texels[1:, diagonal, diagonal, :3] = means[diagonal, diagonal, :3]
+
+
+def _fill_attenuated(texels: npt.NDArray[np.float32], segments: _Segments, lengths: FloatArray) -> None:
+    """Attenuated mean source of all pairs off the diagonal, diagonal by diagonal (Lum, Wilson and Ma, section 4.2).
+
+    A slab over m segments takes d/m of length in each. Segments are composited over windows of m, which are put together of
+    windows whose sizes are powers of two; both orders of front and back and all lengths run side by side.
+    """
+    n = texels.shape[1]
+    prefix = np.concatenate([[0.0], np.cumsum(segments.total)])
+    for m in range(1, n):
+        # Path length per unit of value, one for each length of slab.
+        rate = lengths / (m * segments.step)
+        depth = rate[:, None, None] * segments.depth
+        total = rate[:, None] * segments.total
+        upward = rate[:, None, None] * segments.weight * np.exp(-depth)
+        downward = rate[:, None, None] * segments.weight * np.exp(depth - total[..., None])
+        weights = np.stack([upward, downward])[..., None, :]
+        colour = _windows((weights @ segments.source)[..., 0, :], np.exp(-total)[..., None], m)
+        # K = C tau / (1 - exp(-tau d)), and C / d in the limit.
+        slab_depth = (rate[:, None] * (prefix[m:] - prefix[:-m]))[..., None]
+        thick = slab_depth > 1e-9
+        opacity = np.where(thick, -np.expm1(-slab_depth), 1.0)
+        source = colour / lengths[:, None, None] * np.where(thick, slab_depth / opacity, 1.0)
+        low, high = np.arange(n - m), np.arange(m, n)
+        texels[1:, high, low, :3] = source[0]
+        texels[1:, low, high, :3] = source[1]
+
+
+def _windows(colour: FloatArray, transmittance: FloatArray, size: int) -> FloatArray:
+    """Composite ``size`` neighbouring segments at all starts.
+
+    ``colour`` (2, l, k, 3) for light that leaves at the low and at the high end, ``transmittance`` (l, k, 1).
+    """
+    power, width = (colour, transmittance), 1
+    done, covered = power, 1 if size & 1 else 0
+    while 2 * width <= size:
+        power, width = _join(power, width, power), 2 * width
+        if size & width:
+            done = power if covered == 0 else _join(done, covered, power)
+            covered += width
+    return done[0]
+
+
+def _join(low: tuple[FloatArray, FloatArray], width: int, high: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Windows of ``width`` segments, each followed by the window that begins where it ends."""
+    count = high[1].shape[1] - width
+    low_colour, low_through = low[0][:, :, :count], low[1][:, :count]
+    high_colour, high_through = high[0][:, :, width:], high[1][:, width:]
+    joined = np.stack([low_colour[0] + low_through * high_colour[0], high_colour[1] + high_through * low_colour[1]])
+    return joined, low_through * high_through

@@ -1,0 +1,7 @@
+// Samples that hold nothing: NaN and no-data. They are marked by a value that no data has.
+
+import generated::sizes::Values;
+
+const EMPTY: f32 = -3.0e38;
+
+fn is_empty(value: Values) -> bool { return value <= EMPTY; }

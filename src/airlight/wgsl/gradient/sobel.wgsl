@@ -1,0 +1,24 @@
+// Central differences, smoothed across by the weights 1, 2, 1 in both other directions.
+
+import slot::field::Place;
+import generated::layer::layer;
+import package::gradient::difference::{difference, gradient_world};
+
+fn field_gradient(place: Place) -> vec3f {
+  var sum = vec3f(0.0);
+  for (var i = -1; i <= 1; i++) {
+    for (var j = -1; j <= 1; j++) {
+      let weight = f32((2 - abs(i)) * (2 - abs(j))) / 16.0;
+      let u = f32(i);
+      let v = f32(j);
+      sum += weight * vec3f(
+        difference(inside(place.p_index + vec3f(0.0, u, v)), vec3f(1.0, 0.0, 0.0)),
+        difference(inside(place.p_index + vec3f(u, 0.0, v)), vec3f(0.0, 1.0, 0.0)),
+        difference(inside(place.p_index + vec3f(u, v, 0.0)), vec3f(0.0, 0.0, 1.0)),
+      );
+    }
+  }
+  return gradient_world(sum);
+}
+
+fn inside(p_index: vec3f) -> vec3f { return clamp(p_index, layer.domain_low, layer.domain_high); }

@@ -1,0 +1,5 @@
+// No gradient.
+
+import slot::field::Place;
+
+fn field_gradient(place: Place) -> vec3f { return vec3f(0.0); }

@@ -1,0 +1,21 @@
+// An extreme value along a ray, shown in the function's colour.
+
+import package::ray::INFINITE;
+import package::sample::{Sample, Result};
+import slot::transfer::medium;
+
+struct Extreme { here: Sample, met: bool }
+
+fn no_extreme() -> Extreme {
+  var none: Extreme;
+  return none;
+}
+
+fn keep(extreme: ptr<function, Extreme>, other: Sample, better: bool) {
+  if (!(*extreme).met || better) { (*extreme) = Extreme(other, true); }
+}
+
+fn show(extreme: Extreme) -> Result {
+  if (!extreme.met) { return Result(vec3f(0.0), 0.0, INFINITE); }
+  return Result(medium(extreme.here).rgb, 1.0, extreme.here.t_world);
+}

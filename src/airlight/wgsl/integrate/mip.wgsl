@@ -1,0 +1,18 @@
+// Maximum intensity projection.
+
+import package::integrate::extreme::{Extreme, no_extreme, keep, show};
+import package::sample::{Sample, Slab, Result};
+
+struct Accumulated { extreme: Extreme }
+
+fn begin() -> Accumulated { return Accumulated(no_extreme()); }
+
+fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab, lit_rgb: vec3f, length: f32) -> bool {
+  var extreme = (*acc).extreme;
+  keep(&extreme, front, front.value > extreme.here.value);
+  keep(&extreme, back, back.value > extreme.here.value);
+  (*acc).extreme = extreme;
+  return false;
+}
+
+fn finish(acc: Accumulated) -> Result { return show(acc.extreme); }

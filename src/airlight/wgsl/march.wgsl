@@ -1,0 +1,120 @@
+// The ray march: one ray a pixel, slab by slab from the eye. There is no other march loop.
+
+import generated::frame::frame;
+import generated::layer::layer;
+import generated::driver::OFFSETS;
+import generated::pass::{radiance, depth};
+import generated::sizes::{HAS_EMPTY, SKIPS_EMPTY, Values, WORKGROUP_X, WORKGROUP_Y};
+import package::empty::is_empty;
+import package::ray::{Ray, INFINITE};
+import package::sample::{Sample, Slab, Medium, Result};
+import slot::camera::eye_ray;
+import slot::field::{locate, field_value};
+import slot::transfer::{medium, classify, empty_slab};
+import slot::lighting::light_slab;
+import slot::integrate::{Accumulated, begin, take, finish, surface};
+import slot::tone::tone;
+
+@compute @workgroup_size(WORKGROUP_X, WORKGROUP_Y)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+  if (any(id.xy >= frame.tile_size_px)) { return; }
+  let pixel = frame.tile_origin_px + id.xy;
+  let p_px = vec2f(pixel) + 0.5;
+  var samples = 0.0;
+  let result = march(eye_ray(p_px), offset_of(pixel), &samples);
+  let at = (pixel.y - frame.band_first_row) * frame.size_px.x + pixel.x;
+  radiance[at] = vec4f(tone(result.rgb, p_px), result.alpha);
+  depth[at] = vec2f(result.t_world, samples);
+}
+
+fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
+  let span = domain_span(ray);
+  if (span.y <= span.x) { return Result(vec3f(0.0), 0.0, INFINITE); }
+  let h = frame.step_world;
+  var acc = begin();
+  var front = fetch(ray, span.x);
+  var k = floor(span.x / h - offset) + 1.0;
+  *samples = 1.0;
+  loop {
+    // Walk on to the next slab that holds something. A loop of its own: wide processors run the rest for all rays at once.
+    var next: Sample;
+    loop {
+      next = fetch(ray, min((k + offset) * h, span.y));
+      *samples += 1.0;
+      k += 1.0;
+      if (!SKIPS_EMPTY || next.t_world >= span.y || !empty_slab(front, next)) { break; }
+      front = next;
+    }
+    var back = next;
+    var length = max(next.t_world - front.t_world, 0.0);
+    if (HAS_EMPTY) {
+      // Where one end is empty, half of the slab is there, with the value of the other end.
+      let gaps = vec2<bool>(is_empty(front.value), is_empty(next.value));
+      if (all(gaps)) {
+        if (next.t_world >= span.y) { break; }
+        front = next;
+        continue;
+      }
+      length *= select(1.0, 0.5, any(gaps));
+      if (gaps.x) { front = with_value(front, next.value); }
+      if (gaps.y) { back = with_value(next, front.value); }
+    }
+    let share = surface(front, back);
+    if (share <= 1.0) {
+      take_surface(&acc, ray, front, back, share);
+      break;
+    }
+    let slab = classify(front, back, length);
+    var lit_rgb = vec3f(0.0);
+    if (slab.alpha > 0.0 || any(slab.front_rgb + slab.back_rgb > vec3f(0.0))) {
+      lit_rgb = light_slab(front, back, slab, ray);
+    }
+    if (take(&acc, front, back, slab, lit_rgb, length) || next.t_world >= span.y) { break; }
+    front = next;
+  }
+  return finish(acc);
+}
+
+fn with_value(other: Sample, value: Values) -> Sample {
+  return Sample(value, other.gradient, other.p_index, other.p_world, other.t_world);
+}
+
+// A surface inside a slab: the sample there, as a slab without length.
+fn take_surface(acc: ptr<function, Accumulated>, ray: Ray, front: Sample, back: Sample, share: f32) {
+  var hit = fetch(ray, mix(front.t_world, back.t_world, share));
+  hit.value = mix(front.value, back.value, share);
+  let rgb = medium(hit).rgb;
+  let slab = Slab(rgb, 1.0, vec3f(0.0), 0.0, 1.0);
+  take(acc, hit, hit, slab, light_slab(hit, hit, slab, ray), 0.0);
+}
+
+fn fetch(ray: Ray, t_world: f32) -> Sample {
+  let p_world = ray.origin_world + t_world * ray.direction_world;
+  let p_index = (layer.index_from_world * vec4f(p_world, 1.0)).xyz;
+  return Sample(field_value(locate(p_index)), vec3f(0.0), p_index, p_world, t_world);
+}
+
+// Where the ray enters and leaves the domain, not before the eye [world].
+fn domain_span(ray: Ray) -> vec2f {
+  let origin = (layer.index_from_world * vec4f(ray.origin_world, 1.0)).xyz;
+  let direction = (layer.index_from_world * vec4f(ray.direction_world, 0.0)).xyz;
+  // A ray along a face has no direction across it: it is outside, or it is held by the other faces.
+  let across = abs(direction) < vec3f(1e-12);
+  let outside = across & ((origin < layer.domain_low) | (origin > layer.domain_high));
+  if (any(outside)) { return vec2f(0.0); }
+  let rate = select(direction, vec3f(1.0), across);
+  let a = select((layer.domain_low - origin) / rate, vec3f(-INFINITE), across);
+  let b = select((layer.domain_high - origin) / rate, vec3f(INFINITE), across);
+  let near = min(a, b);
+  let far = max(a, b);
+  return vec2f(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
+}
+
+// Shift of the lattice of samples, as a share of a step: sixteen of them over squares of 4 x 4 pixels (Scharsach, section 5).
+fn offset_of(pixel: vec2u) -> f32 {
+  if (OFFSETS == 0u) { return 0.0; }
+  let fine = pixel & vec2u(1u);
+  let coarse = (pixel >> vec2u(1u)) & vec2u(1u);
+  let rank = 4u * (2u * (fine.x ^ fine.y) + fine.y) + 2u * (coarse.x ^ coarse.y) + coarse.y;
+  return f32(rank) / 16.0;
+}

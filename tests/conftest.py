@@ -1,0 +1,60 @@
+"""Fixtures that all tests share."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, settings
+
+import airlight as al
+
+settings.register_profile("ci", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("ci")
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.fixture(autouse=True)
+def _strict_numpy():
+    with np.errstate(all="raise", under="ignore"):
+        yield
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(20260101)
+
+
+@pytest.fixture(scope="session")
+def data_dir() -> Path:
+    """Real volumes; tests that use them are marked ``data``."""
+    folder = Path(os.environ.get("AIRLIGHT_DATA") or ROOT.parent / "shared" / "data")
+    if not folder.is_dir():
+        pytest.skip(f"no real volumes: {folder} is not there (AIRLIGHT_DATA names another folder)")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def renderer():
+    with al.Renderer() as made:
+        yield made
+
+
+@pytest.fixture(scope="session")
+def core_renderer():
+    """Renderer on a device with core WebGPU's limits and no optional feature."""
+    before = os.environ.get("AIRLIGHT_CORE")
+    os.environ["AIRLIGHT_CORE"] = "1"
+    try:
+        with al.Renderer() as made:
+            made.warm_up()
+            made._thread.submit(lambda job: None).result()
+            yield made
+    finally:
+        if before is None:
+            os.environ.pop("AIRLIGHT_CORE", None)
+        else:
+            os.environ["AIRLIGHT_CORE"] = before
