@@ -31,8 +31,8 @@ from .volume import Volume, statistics
 if TYPE_CHECKING:
     from . import samples
     from .io import open, save
-    from .render.image import Image
-    from .render.renderer import Renderer
+    from .rendering.image import Image
+    from .rendering.renderer import Renderer
 
 __version__ = "0.1.0.dev0"
 
@@ -84,8 +84,8 @@ __all__ = [
 
 # What loads the device or the readers is imported when it is first asked for.
 _LAZY = {
-    "Image": ("airlight.render.image", "Image"),
-    "Renderer": ("airlight.render.renderer", "Renderer"),
+    "Image": ("airlight.rendering.image", "Image"),
+    "Renderer": ("airlight.rendering.renderer", "Renderer"),
     "open": ("airlight.io", "open"),
     "save": ("airlight.io", "save"),
     "samples": ("airlight.samples", ""),

@@ -14,7 +14,7 @@ from .volume import Volume
 if TYPE_CHECKING:
     from .gpu.device import DeviceInfo
     from .gpu.textures import Progress
-    from .render.image import Image
+    from .rendering.image import Image
 
 LOOK_SLOTS = ("field", "gradient", "transfer", "shade", "lighting", "visibility", "integrate", "tone")
 
@@ -67,7 +67,7 @@ def render(
     >>> image.rgba.shape
     (64, 64, 4)
     """
-    from .render.renderer import shared
+    from .rendering.renderer import shared
 
     scene = as_scene(what, size, progress)
     return shared(device).render(scene, size, driver=driver, step=step, skip=skip, progress=progress)
@@ -87,7 +87,7 @@ def as_scene(what: Any, size: tuple[int, int] = (512, 512), progress: Progress |
 
 def explain(what: Any, size: tuple[int, int] = (512, 512), *, driver: str | Stage = "march") -> str:
     """Return the linked program of a scene: where each part comes from, offsets of parameters, and the key of the cache."""
-    from .render.renderer import shared
+    from .rendering.renderer import shared
 
     program = shared().explain(as_scene(what, size), size, driver)
     return f"// key: {program.key}\n{program.linked.text}"
@@ -102,7 +102,7 @@ def devices(wanted: str | None = None) -> list[DeviceInfo]:
 
 def warm_up(device: str | int | None = None) -> None:
     """Open the device in the background, so that the first frame finds it ready; returns at once."""
-    from .render.renderer import shared
+    from .rendering.renderer import shared
 
     shared(device).warm_up()
 

@@ -22,7 +22,6 @@ import dataclasses
 import math
 import os
 import re
-import tomllib
 import types
 from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
@@ -340,12 +339,14 @@ def _plain(value: Any, where: str) -> Any:
 
 def _short_lists_in_line(text: str) -> str:
     """Write vectors and control points on one line each; tomli_w gives every number a line of its own."""
-    scalar = r"[^\[\]\n]+"
-    for item in (scalar, rf"(?:{scalar}|\[{scalar}\])+"):
-        text = re.sub(
-            rf"\[\n(?: +{item},\n)+ *\]", lambda m: "[" + ", ".join(re.split(r",\n *", m[0][1:-1].strip())[:-1]) + "]", text
-        )
+    scalar = r"[^\[\]\n]*"
+    for item in (scalar, rf"{scalar}(?:\[{scalar}\]{scalar})*"):
+        text = re.sub(rf"\[\n(?: {item},\n)+ *\]", _in_line, text)
     return text
+
+
+def _in_line(match: re.Match[str]) -> str:
+    return "[" + ", ".join(re.split(r",\n *", match[0][1:-1].strip().removesuffix(","))) + "]"
 
 
 # -- from plain data to values
@@ -418,6 +419,8 @@ def _parsed(path: Path) -> _Table:
 
             data = json.loads(text)
         else:
+            import tomllib
+
             data = tomllib.loads(text)
     except OSError as error:
         raise FileError(str(path), f"cannot be read ({error.strerror})") from error
@@ -562,7 +565,7 @@ def _recipe_value(key: str, text: str) -> Any:
 # -- lines, for messages
 
 _HEADER = re.compile(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]")
-_KEY = re.compile(r"\s*([^=#\[\]{}]+)=")
+_KEY = re.compile(r"\s*([^\s=#\[\]{}][^=#\[\]{}]*)=")
 
 
 def _line_of(text: str, place: Place) -> int | None:

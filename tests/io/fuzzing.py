@@ -1,129 +1,69 @@
-"""Damaging files: what a reader must survive with a volume or one of our errors, in little time and memory."""
+"""Damaged copies of good files; readers must answer each with a volume or one clear error."""
 
 from __future__ import annotations
 
-import itertools
-import resource
-import time
+import subprocess
+import sys
 from pathlib import Path
 
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+import numpy as np
+import pytest
 
 from airlight import io
 from airlight.errors import AirlightError
 
-MAX_MEMORY = 32 << 20
-MOST_SECONDS = 10.0
-MOST_GROWTH = 2 * MAX_MEMORY
-FUZZ_EXAMPLES = 10_000
-ORDINARY_EXAMPLES = 60
-
-HOSTILE = [
-    b"0",
-    b"-1",
-    b"1",
-    b"2",
-    b"3",
-    b"7",
-    b"255",
-    b"65536",
-    b"2147483647",
-    b"4294967296",
-    b"18446744073709551616",
-    b"9" * 400,
-]
-HOSTILE += [
-    b"nan",
-    b"inf",
-    b"1e999",
-    b"-1e-999",
-    b"none",
-    b"",
-    b"\0",
-    b"()",
-    b"(1,2)",
-    b"../x",
-    b"/dev/zero",
-    b"LIST",
-    b"%d",
-    b"%s",
-]
-HOSTILE += [
-    b"\xff\xff\xff\xff",
-    b"\xff\xff\xff\x7f",
-    b"\0\0\0\x80",
-    b"(" * 500,
-    b"<a>" * 500,
-    b"x" * 5000,
-    b"\n\n",
-    b"\r\n",
-    b":",
-    b"=",
-    b" ",
-]
+COUNTS = [200, pytest.param(12_000, marks=[pytest.mark.fuzz, pytest.mark.timeout(1800)])]
+"""Inputs of an ordinary run, and of a marked one."""
 
 
-@st.composite
-def damaged(draw: st.DrawFn, seeds: list[bytes]) -> bytes:
-    """One of the seeds with some of its bytes cut, flipped, exchanged or replaced by what readers stumble over."""
-    data = bytearray(draw(st.sampled_from(seeds)))
-    for _ in range(draw(st.integers(1, 4))):
-        reach = draw(st.sampled_from([64, 400, 1 << 30]))  # headers are where the harm is
-        at = draw(st.integers(0, max(0, min(len(data), reach) - 1)))
-        deed = draw(st.sampled_from(["flip", "hostile", "number", "cut", "drop", "repeat", "bytes"]))
-        if deed == "flip" and data:
-            data[at] ^= 1 << draw(st.integers(0, 7))
-        elif deed == "hostile":
-            data[at : at + draw(st.integers(0, 8))] = draw(st.sampled_from(HOSTILE))
-        elif deed == "number":
-            start = next((i for i in range(at, len(data)) if 48 <= data[i] <= 57), at)
-            end = next((i for i in range(start, len(data)) if not 48 <= data[i] <= 57), len(data))
-            data[start:end] = draw(st.sampled_from(HOSTILE))
-        elif deed == "cut":
-            del data[at:]
-        elif deed == "drop":
-            del data[at : at + draw(st.integers(1, 64))]
-        elif deed == "repeat":
-            data[at:at] = data[at : at + draw(st.integers(1, 200))]
+def damaged(whole: bytes, rng: np.random.Generator) -> bytes:
+    """A copy that is cut, shortened, lengthened or overwritten at one to four places, mostly near its begin."""
+    data = bytearray(whole)
+    for _ in range(int(rng.integers(1, 5))):
+        at = int(rng.integers(0, len(data))) if rng.random() < 0.6 else int(rng.integers(0, min(len(data), 600)))
+        length = int(rng.integers(1, 9))
+        kind = int(rng.integers(0, 9))
+        if kind == 0:
+            del data[max(1, at) :]
+        elif kind == 1:
+            del data[at : at + length]
+            data = data or bytearray(b"x")
+        elif kind == 2:
+            data[at:at] = rng.bytes(length)
+        elif kind <= 4:
+            data[at : at + length] = bytes([int(rng.choice([0, 255, 127, 128]))]) * length
+        elif kind <= 6:
+            data[at] = int(rng.integers(0, 256))
         else:
-            data[at : at + 4] = draw(st.binary(min_size=1, max_size=8))
+            data[at : at + length] = rng.bytes(length)
     return bytes(data)
 
 
-def fuzz(folder: Path, suffix: str, seeds: list[bytes], examples: int) -> dict[str, int]:
-    """Open ``examples`` damaged files; returns how many read well and how many were refused."""
-    tally = {"read": 0, "refused": 0}
-    numbers = itertools.count()
-    for seed in seeds:
-        path = folder / f"sound{next(numbers)}{suffix}"
-        path.write_bytes(seed)
-        io.open(path)  # also warms up: imports do not count as growth
-    before = _peak_bytes()
-
-    @settings(max_examples=examples, deadline=None, database=None, suppress_health_check=list(HealthCheck))
-    @given(data=st.one_of(damaged(seeds), damaged(seeds), damaged(seeds), st.binary(max_size=2000)))
-    def survive(data: bytes) -> None:
-        path = folder / f"damaged{suffix}"
-        path.write_bytes(data)
-        start = time.perf_counter()
+def open_damaged(seeds: list[bytes], target: Path, count: int, seed: int = 5) -> int:
+    """Open ``count`` damaged files; returns how many were refused. Anything but our own errors goes through."""
+    rng = np.random.default_rng(seed)
+    refused = 0
+    for number in range(count):
+        target.write_bytes(damaged(seeds[number % len(seeds)], rng))
         try:
-            volume = io.open(path, max_memory=MAX_MEMORY)
-            volume.array.max()
-            tally["read"] += 1
-            message = ""
-        except AirlightError as error:
-            message = str(error)
-            tally["refused"] += 1
-        assert "\n" not in message
-        assert len(message) < 2000
-        assert time.perf_counter() - start < MOST_SECONDS
-
-    survive()
-    tally["growth"] = _peak_bytes() - before  # of the peak: of the reader, and some of what hypothesis remembers
-    assert tally["growth"] < MOST_GROWTH
-    return tally
+            io.open(target, max_memory=1 << 26)
+        except AirlightError:
+            refused += 1
+    return refused
 
 
-def _peak_bytes() -> int:
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+def open_damaged_elsewhere(seeds: list[Path], target: Path, count: int) -> None:
+    """The same in processes of their own, for parsers in C that may crash: this one would go with them."""
+    step = 2000
+    for start in range(0, count, step):
+        command = [sys.executable, __file__, str(target), str(min(step, count - start)), str(start), *map(str, seeds)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
+        assert done.returncode == 0, f"seed {start}: exit {done.returncode}\n{done.stderr[-3000:]}"
+
+
+if __name__ == "__main__":
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+    _, place, number_of_files, first, *files = sys.argv
+    open_damaged([Path(f).read_bytes() for f in files], Path(place), int(number_of_files), int(first))

@@ -132,6 +132,7 @@ def test_nrrd_modality_and_unit(tmp_path: Path, ramp: np.ndarray) -> None:
     ("lines", "what"),
     [
         ("type: short\ndimension: 4\nsizes: 5 4 3 1", "which three are space"),
+        ("type: short\ndimension: 3\nsizes: 5 4 inf", "whole numbers"),
         ("type: short\ndimension: 2\nsizes: 5 12", "2 axes"),
         ("type: block\ndimension: 3\nsizes: 5 4 3", "'block'"),
         ("type: short\ndimension: 3\nsizes: 5 4 4", "160|120"),

@@ -14,7 +14,7 @@ import mrcfile
 import nibabel
 import numpy as np
 import pytest
-from fuzzing import FUZZ_EXAMPLES, ORDINARY_EXAMPLES, fuzz
+from damage import FUZZ_EXAMPLES, ORDINARY_EXAMPLES, survive
 
 from airlight import io
 from airlight.volume import Volume
@@ -134,14 +134,14 @@ READERS = {
 
 @pytest.mark.parametrize("suffix", READERS)
 def test_damaged_files_are_survived(tmp_path: Path, suffix: str) -> None:
-    fuzz(tmp_path, suffix, READERS[suffix](tmp_path), ORDINARY_EXAMPLES)
+    survive(tmp_path, suffix, READERS[suffix](tmp_path), ORDINARY_EXAMPLES)
 
 
 @pytest.mark.fuzz
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("suffix", READERS)
 def test_ten_thousand_damaged_files_are_survived(tmp_path: Path, suffix: str) -> None:
-    tally = fuzz(tmp_path, suffix, READERS[suffix](tmp_path), FUZZ_EXAMPLES)
+    tally = survive(tmp_path, suffix, READERS[suffix](tmp_path), FUZZ_EXAMPLES)
     assert tally["refused"] > tally["read"] / 10
 
 

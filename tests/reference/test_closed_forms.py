@@ -252,10 +252,11 @@ def test_first_hit_from_inside_is_the_cut_face():
 def test_first_hit_at_a_step_of_the_function_shows_what_lies_behind():
     # The automatic iso-value of a step is the step itself, where the later point holds, however hits are rounded.
     tf = TransferFunction([(0, (0, 1, 0), 0), (0.3, (0, 1, 0), 0), (0.3, (1, 0, 0), 1)])
-    for n in (5, 6, 7, 8, 9, 10, 11):
-        rgba, depth = one(scene(ramp_z(n), tf, integrate="first_hit"), 0.7)
+    rng = np.random.default_rng(7)
+    for low, high in zip(rng.uniform(-2, 0.29, 60), rng.uniform(0.31, 3, 60), strict=True):
+        rgba, depth = one(scene(ramp_z(5, low, high), tf, integrate="first_hit"), 0.7)
         assert rgba.tolist() == [1, 0, 0, 1]
-        assert depth == pytest.approx(10 + 0.3 * (n - 1))
+        assert depth == pytest.approx(10 + 4 * (0.3 - low) / (high - low))
 
 
 def test_first_hit_of_an_oblique_plane():

@@ -176,3 +176,10 @@ def test_domains():
     for field, inside, outside in (("linear", 1.99, 2.01), ("nearest", 2.49, 2.51)):
         hits = [reference.render(scene(ramp_z(3), constant(1), along_z(x, 1), field=field), ONE) for x in (inside, outside)]
         assert [h.rgba[0, 0, 3] > 0 for h in hits] == [True, False]
+
+
+def test_an_empty_point_has_no_gradient():
+    volume = Volume(np.broadcast_to(np.array([1.0, NAN, 3.0]), (3, 3, 3)))
+    assert field_gradient(setup_of(volume), np.array([[1.0, 1, 1]])).tolist() == [[0, 0, 0]]
+    # Beside it the slopes that have one end only are not known either.
+    assert field_gradient(setup_of(volume), np.array([[0.0, 1, 1]])).tolist() == [[0, 0, 0]]

@@ -52,7 +52,7 @@ def bench(
 
 def run(size: tuple[int, int] = (512, 512), voxels: int = 128, device: str | None = None) -> dict[str, Any]:
     """Render each scene ``1 + REPEATS`` times and return the fastest frame of each, with its statistics."""
-    from ..render.renderer import Renderer
+    from ..rendering.renderer import Renderer
 
     volume = shells(voxels)
     rows = []

@@ -6,7 +6,6 @@ import itertools
 import os
 import sys
 from collections.abc import Sequence
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -97,7 +96,14 @@ def make_app(chosen: str = "") -> App:
     from cyclopts import App, Parameter
 
     quiet = Parameter(show_default=False)
-    app = App(name="airlight", help=HELP, help_format="plaintext", version=_version, default_parameter=quiet)
+    app = App(
+        name="airlight",
+        help=HELP,
+        help_format="plaintext",
+        version=_version,
+        default_parameter=quiet,
+        suppress_keyboard_interrupt=False,
+    )
     for name, summary in COMMANDS.items():
         app.command(f"airlight.app.{name}:{name}", name=name, **({} if name == chosen else {"help": summary}))
     return app
@@ -125,6 +131,8 @@ def _warm_up(wanted: list[str]) -> None:
 
 
 def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
     try:
         return f"airlight {version('airlight')}"
     except PackageNotFoundError:

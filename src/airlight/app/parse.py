@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from typing import Any
 
 from .. import stages as _stages  # noqa: F401  (makes the names of the stages known)
@@ -131,6 +130,8 @@ def _assignments(text: str, where: str) -> dict[str, Any]:
 
 def _literal(text: str) -> Any:
     """Number, true or false, or list, as TOML writes them; anything else is text."""
+    import tomllib
+
     number = re.fullmatch(r"([+-]?)(\.?\d.*|\d+\.)", text)  # TOML wants digits round the point
     candidates = (
         [text, f"{number[1]}0{number[2]}" if number and number[2].startswith(".") else f"{text}0"] if number else [text]

@@ -2,6 +2,8 @@
 
 import dataclasses
 import inspect
+import io
+import shutil
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -45,7 +47,10 @@ def _print_slot(slot: str) -> None:
     for _, cls in sorted(STAGES[slot].items()):
         for row in stage_rows(cls):
             table.add_row(*row)
-    Console(markup=False, highlight=False).print(table)
+    # Not to standard output itself: rich would end the program when nobody reads.
+    text = io.StringIO()
+    Console(file=text, width=shutil.get_terminal_size().columns, markup=False, highlight=False).print(table)
+    print(text.getvalue(), end="")
 
 
 def stage_rows(cls: type[Stage]) -> list[tuple[str, str, str, str]]:

@@ -74,7 +74,7 @@ def _layout_entry(device: Device, binding: Binding) -> dict[str, Any]:
         case "storage_texture":
             shape, _, rest = binding.type.removeprefix("texture_storage_").partition("<")
             entry["storage_texture"] = {"access": "write-only", "format": rest.split(",")[0], "view_dimension": shape}
-        case "table":
+        case "table" | "loaded_grid":
             kind = "float" if device.traits.filters_float32 else "unfilterable-float"
             entry["texture"] = {"sample_type": kind, "view_dimension": "3d"}
         case "grid" | "gradients":

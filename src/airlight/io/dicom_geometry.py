@@ -107,8 +107,8 @@ def _by_time(groups: list[list[int]], frames: list[Frame], where: str) -> tuple[
             f"covers its places {min(counts)} to {max(counts)} times: {_names(frames, crowded)} share one",
             "keep one slice a place",
         )
-    differing = sorted({name for group in groups for name in _differing([frames[i] for i in group])} - {"acquisition"})
-    for name, _, unit in () if differing else frames[0].moments:
+    differing = sorted({name for group in groups for name in _differing([frames[i] for i in group])})
+    for name, _, unit in () if set(differing) - {"acquisition"} else frames[0].moments:
         moments = [[{m[0]: m[1] for m in frames[i].moments}.get(name, np.nan) for i in g] for g in groups]
         order = np.argsort(moments, axis=1, kind="stable")
         table = np.take_along_axis(np.array(moments), order, axis=1)

@@ -60,7 +60,7 @@ def read(path: Path, options: ReadOptions) -> Volume:
     if anatomical:
         matrix, unit = in_millimetres(matrix, unit), "mm"
     return Volume(
-        scaled(array, slope, intercept),
+        scaled(array, slope, intercept, where, options),
         world_from_index=matrix,
         units=unit,
         times=tuple(start + step * i for i in range(sizes[3])) if dimensions == 4 else (),

@@ -18,7 +18,7 @@ from .messages import shown
 from .options import ReadOptions
 from .paths import detached, replacing
 from .samples import AnyArray, check_kind, codec_of, load, scaled, stream
-from .units import MILLIMETRES, in_millimetres, lps_from, unit_name
+from .units import MILLIMETRES, in_lps, in_millimetres, unit_name
 
 NOT_PATIENT = "airlight: not patient space"
 LABEL_INTENT = 1002
@@ -51,7 +51,7 @@ def read(path: Path, options: ReadOptions) -> Volume:
     elif (slope := header.get_slope_inter())[0] is not None:
         slope_value, intercept = float(slope[0]), float(slope[1])
         if dtype.kind in "iuf" and (slope_value, intercept) != (1.0, 0.0):
-            array = scaled(array, slope_value, intercept)
+            array = scaled(array, slope_value, intercept, where, options)
     return _volume(path, header, array, names)
 
 
@@ -136,7 +136,7 @@ def _volume(path: Path, header: Any, array: AnyArray, names: tuple[str, ...]) ->
         times = tuple(float(header["toffset"]) + float(zooms[3]) * i for i in range(array.shape[0]))
     return Volume(
         array,
-        world_from_index=lps_from("RAS") @ affine,
+        world_from_index=in_lps(affine, "RAS"),
         units=space,
         channel_names=names,
         times=times,
@@ -177,7 +177,7 @@ def write(volume: Volume, path: Path) -> None:
     image = kind(stored, None, dtype=stored.dtype)
     header = image.header
     header.set_data_dtype(stored.dtype)
-    header.set_sform(lps_from("RAS") @ matrix, code=1)
+    header.set_sform(in_lps(matrix, "RAS"), code=1)
     header["pixdim"][1:4] = volume.spacing
     space = {"m": "meter", "mm": "mm", "um": "micron"}.get(unit, "unknown")
     clock = {"s": "sec", "ms": "msec", "us": "usec"}.get(unit_name(volume.time_unit), "unknown")

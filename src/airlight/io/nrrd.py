@@ -95,6 +95,9 @@ def _parse(path: Path, lines: list[str]) -> Mapping[str, Any]:
     for number, line in enumerate(lines[1:], start=2):
         if not line.startswith("#") and ":" not in line:
             raise FileError(f"{path}:{number}", f"has no colon: {shown(line)}", "mend the header")
+        key, _, value = line.partition(":")
+        if key in ("sizes", "dimension") and not all(word.isdecimal() and len(word) < 19 for word in value.split()):
+            raise FileError(f"{path}: {key}", f"is {shown(value.strip())}", "write whole numbers")
         if line.replace(" ", "").lower().startswith("datafile:list"):
             lines = lines[:number]  # the lines behind it are names of files
             break

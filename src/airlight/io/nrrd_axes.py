@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import DataError, FileError
 from .messages import shown
 from .samples import AnyArray
-from .units import MILLIMETRES, FloatArray, in_millimetres, lps_from, matrix_of, unit_name
+from .units import MILLIMETRES, FloatArray, in_lps, in_millimetres, matrix_of, unit_name
 
 ANATOMICAL = {
     "right-anterior-superior": "RAS",
@@ -158,7 +158,7 @@ def _geometry(
         return matrix, unit, False
     if unit and unit not in MILLIMETRES:
         raise FileError(f"{where}: space units", f"are {shown(unit)}, no length", "write mm")
-    return lps_from(letters) @ in_millimetres(matrix, unit), "mm", True
+    return in_lps(in_millimetres(matrix, unit), letters), "mm", True
 
 
 def _unrotated(

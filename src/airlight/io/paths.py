@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-import tempfile
+import secrets
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -47,19 +47,9 @@ def numbered(pattern: str, number: int, key: str) -> str:
 @contextlib.contextmanager
 def replacing(path: Path, suffix: str = "") -> Iterator[Path]:
     """A new name beside ``path`` to write to; it takes the place of ``path`` once the block ends without an error."""
-    try:
-        handle, name = tempfile.mkstemp(prefix=".airlight-", suffix=suffix or path.suffix, dir=path.parent)
-    except OSError as error:
-        raise FileError(
-            str(path), f"cannot be written ({error.strerror})", "choose a folder that is there and yours"
-        ) from error
-    os.close(handle)
-    temporary = Path(name)
+    temporary = path.with_name(f".airlight-{secrets.token_hex(8)}{suffix or path.suffix}")
     try:
         yield temporary
-        mask = os.umask(0)
-        os.umask(mask)
-        temporary.chmod(0o666 & ~mask)  # mkstemp makes files that only their owner reads
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)

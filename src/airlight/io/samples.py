@@ -147,23 +147,35 @@ def _numbers(words: list[bytes], dtype: np.dtype[Any], where: str) -> AnyArray:
         raise FileError(where, f"holds text that is no {dtype} ({str(error)[:80]})", "mend the file") from error
 
 
-def scaled(array: AnyArray, slope: float, intercept: float) -> AnyArray:
+def scaled(array: AnyArray, slope: float, intercept: float, where: str, options: ReadOptions) -> AnyArray:
     """``array * slope + intercept``; integers stay integers where both numbers are whole and 64 bits hold the result."""
     if slope == 1 and intercept == 0:
         return array
+    if not (math.isfinite(slope) and math.isfinite(intercept)):
+        raise FileError(where, f"scales its samples by {slope} and {intercept}", "mend its header")
     if array.dtype.kind == "b":
         array = array.view(np.uint8)
-    if array.dtype.kind in "iu" and float(slope).is_integer() and float(intercept).is_integer():
-        ends = [int(end) * int(slope) + int(intercept) for end in (array.min(), array.max())]
-        for kind in (array.dtype.type, np.int16, np.int32, np.int64):
-            info = np.iinfo(kind)
-            if min(ends) >= info.min and max(ends) <= info.max and info.bits >= array.dtype.itemsize * 8:
-                return _scaled_whole(array, int(slope), int(intercept), np.dtype(kind))
+    whole = _whole_type(array, slope, intercept)
     wide = array.dtype.itemsize > 4 or (array.dtype.itemsize == 4 and array.dtype.kind in "iu")
     kind = np.float64 if wide else np.float32
+    options.check_bytes(where, array.nbytes + array.size * (whole or np.dtype(kind)).itemsize)
+    if whole is not None:
+        return _scaled_whole(array, int(slope), int(intercept), whole)
     result: AnyArray = array.astype(kind)
     np.multiply(result, kind(slope), out=result)
     return np.add(result, kind(intercept), out=result)
+
+
+def _whole_type(array: AnyArray, slope: float, intercept: float) -> np.dtype[Any] | None:
+    """The narrowest integer type, not narrower than the array's, that holds the scaled values; None if none does."""
+    if array.dtype.kind not in "iu" or not float(slope).is_integer() or not float(intercept).is_integer():
+        return None
+    ends = [int(end) * int(slope) + int(intercept) for end in (array.min(), array.max())]
+    for kind in (array.dtype.type, np.int16, np.int32, np.int64):
+        info = np.iinfo(kind)
+        if min(ends) >= info.min and max(ends) <= info.max and info.bits >= array.dtype.itemsize * 8:
+            return np.dtype(kind)
+    return None
 
 
 def _scaled_whole(array: AnyArray, slope: int, intercept: int, dtype: np.dtype[Any]) -> AnyArray:

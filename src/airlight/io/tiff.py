@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,6 +19,10 @@ from .options import ReadOptions
 from .paths import detached
 from .samples import check_kind
 from .tiff_meta import number, read_meta
+
+PRIVATE = 32768
+OURS = {34412, 42113, 50838, 50839}
+"""Private tags that are read: of LSM, GDAL's no-data value, ImageJ's."""
 
 DAMAGE = ("zeroed", "out of range", "invalid TiffData", "corrupted", "truncated")
 
@@ -197,5 +202,8 @@ def _log() -> Iterator[list[logging.LogRecord]]:
 def _raise_damage(path: Path, records: list[logging.LogRecord]) -> None:
     for record in records:
         told = record.getMessage()
+        tag = re.search(r"TiffTag (\d+)", told)
+        if tag and int(tag[1]) >= PRIVATE and int(tag[1]) not in OURS:
+            continue  # many vendors write private tags that break the rules and say nothing of the samples
         if record.levelno >= logging.ERROR or any(word in told for word in DAMAGE):
             raise FileError(str(path), f"is damaged ({told[:200]})", "copy or write it again")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -36,13 +38,19 @@ def unit_name(text: str) -> str:
 
 def in_millimetres(matrix: FloatArray, unit: str) -> FloatArray:
     """``world_from_index`` with its world in ``unit``, given in millimetres; an empty unit counts as millimetres."""
-    factor = MILLIMETRES[unit] if unit else 1.0
-    return np.diag([factor, factor, factor, 1.0]) @ matrix
+    return _scaled_rows(matrix, (MILLIMETRES[unit] if unit else 1.0,) * 3)
 
 
-def lps_from(letters: str) -> FloatArray:
-    """4x4 diagonal matrix from the space that the letters name, e.g. ``RAS``, to LPS."""
-    return np.diag([1.0 if have == want else -1.0 for have, want in zip(letters.upper(), "LPS", strict=True)] + [1.0])
+def in_lps(matrix: FloatArray, letters: str) -> FloatArray:
+    """``world_from_index`` with its world in the space that the letters name, e.g. ``RAS``, given in LPS."""
+    return _scaled_rows(matrix, [1.0 if have == want else -1.0 for have, want in zip(letters, "LPS", strict=True)])
+
+
+def _scaled_rows(matrix: FloatArray, factors: Sequence[float]) -> FloatArray:
+    # Not by a product of matrices: what is infinite in a damaged file stays so, to be refused, and spreads no warning.
+    with np.errstate(over="ignore"):
+        rows: FloatArray = matrix * np.array([*factors, 1.0])[:, None]
+    return rows
 
 
 def matrix_of(columns: npt.ArrayLike, origin: npt.ArrayLike) -> FloatArray:

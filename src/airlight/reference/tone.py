@@ -22,9 +22,11 @@ def reinhard(stage: Any, rgba: FloatArray) -> FloatArray:
     rgb, alpha = rgba[..., :3], rgba[..., 3]
     if not (alpha > 0).any():
         return rgba
-    # Take the luminance of the covered part of each pixel; what glows without covering is taken as all but clear.
-    luminance = rgb @ LUMINANCE / np.maximum(alpha, 1e-6)
-    log_average = np.exp((alpha * np.log(1e-6 + luminance)).sum() / alpha.sum())
+    # The average is that of what covers; the operator maps the radiance that reaches the pixel, premultiplied.
+    luminance = rgb @ LUMINANCE
+    covered = alpha > 0
+    of_cover = luminance[covered] / alpha[covered]
+    log_average = np.exp((alpha[covered] * np.log(1e-6 + of_cover)).sum() / alpha.sum())
     # Ld / L = scale * (1 + L_scaled / white^2) / (1 + L_scaled), without a division by L.
     scale = 2.0**stage.exposure * stage.key / log_average
     scaled = scale * luminance

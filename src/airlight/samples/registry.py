@@ -113,7 +113,7 @@ FETCHED: dict[str, Sample] = {
         "",
     ),
     "frog": Sample(
-        "labels of 29 tissues of a frog; 500 x 470 x 136",
+        "labels of 25 tissues of a frog; 500 x 470 x 136",
         "pyvista",
         "0.49.1",
         "pyvista/examples/frog_tissues.vti",

@@ -108,7 +108,7 @@ class Traits:
 
 @dataclass(frozen=True)
 class Binding:
-    """A resource of a program. ``kind`` is uniform, lights, grid, gradients, table, sampler, buffer or storage_texture."""
+    """A resource of a program. ``kind`` tells how it is bound; a ``loaded_grid`` is never sampled with a filter."""
 
     group: int
     index: int
@@ -168,8 +168,19 @@ class ProgramKey:
 
 def stage_key(stage: Stage, resources: Mapping[str, Resource] | None = None) -> StageKey:
     """Key of a stage with the resources that it asks for."""
-    kinds = tuple((name, type(r).__name__) for name, r in (resources or {}).items())
+    kinds = tuple((name, _kind(r)) for name, r in (resources or {}).items())
     return StageKey(type(stage), tuple(stage.statics().items()), kinds)
+
+
+def _kind(resource: Resource) -> str:
+    match resource:
+        case Table():
+            return "table"
+        case Grid():
+            return "grid" if resource.filtered else "loaded_grid"
+        case GradientGrid():
+            return "gradients"
+    raise StageError("a stage", f"asks for a {type(resource).__name__}", "use Table, Grid or GradientGrid")
 
 
 @lru_cache(maxsize=128)
@@ -265,16 +276,9 @@ class _Builder:
         return [(f"{slot}{suffix}", class_struct(cls, f"{slot.title()}{cls.__name__}"), "")]
 
     def resource(self, slot: str, layer: int | None, name: str, kind: str, full: str) -> None:
-        known = {
-            Table.__name__: (2, "texture_3d<f32>", "table"),
-            Grid.__name__: (1, "texture_3d<f32>", "grid"),
-            GradientGrid.__name__: (1, "texture_3d<f32>", "gradients"),
-        }
-        if kind not in known:
-            raise StageError(f"{slot}.{name}", f"asks for a {kind}", "use one of " + ", ".join(known))
-        group, type_wgsl, what = known[kind]
+        group = 2 if kind == "table" else 1
         owner = (slot, layer, name)
-        self.names[slot, layer, name] = self.bind(group, full, type_wgsl, what, owner)
+        self.names[slot, layer, name] = self.bind(group, full, "texture_3d<f32>", kind, owner)
         sampler = f"{name}_sampler"
         self.names[slot, layer, sampler] = self.bind(group, f"{full}_sampler", "sampler", "sampler", owner)
 

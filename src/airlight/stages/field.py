@@ -81,7 +81,6 @@ class LinearExact(Field):
         return LinearMasked()
 
 
-@register
 @dataclass(frozen=True)
 class NearestMasked(Nearest):
     """The value of the nearest voxel, where empty voxels are transparent."""
@@ -91,7 +90,6 @@ class NearestMasked(Nearest):
     masked: ClassVar[bool] = True
 
 
-@register
 @dataclass(frozen=True)
 class LinearMasked(LinearExact):
     """Trilinear interpolation of the samples that are there; empty where less than half of the weight is."""

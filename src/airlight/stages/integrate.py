@@ -32,7 +32,7 @@ class EmissionAbsorption(Integrate):
     wgsl: ClassVar[str] = "integrate/emission_absorption.wgsl"
     uses_slabs: ClassVar[bool] = True
     skips_empty: ClassVar[bool] = True
-    opaque_at: F32 = param(0.9995, above=0, up_to=1, help="opacity at which a ray ends")
+    opaque_at: F32 = param(0.99995, above=0, up_to=1, help="opacity at which a ray ends")
 
 
 @register

@@ -24,7 +24,7 @@ from .function import FloatArray, TransferFunction
 
 ENTRIES_PER_SEGMENT = 4
 FUNCTION_ENTRIES = (256, 4096)
-SLAB_ENTRIES = (64, 1024)
+SLAB_ENTRIES = (128, 1024)
 GAUSS_NODES = 4
 LENGTHS = 4
 
@@ -112,11 +112,12 @@ def slab_table(function: TransferFunction, length: float, entries: int = 0) -> V
 class _Segments:
     """The function between neighbouring entries, at Gauss nodes; no control point between entries is lost.
 
-    ``source`` (n-1, q, 3), ``weight`` (n-1, q) and ``depth`` (n-1, q): source, quadrature weight, and extinction integrated
+    ``source`` (n-1, q, 3), ``extinction`` (n-1, q, 1), ``weight`` (n-1, q) and ``depth`` (n-1, q): source, quadrature weight, and extinction integrated
     from the segment's lower end over values; ``total`` (n-1): extinction integrated over the segment. All per unit of value.
     """
 
     source: FloatArray
+    extinction: FloatArray
     weight: FloatArray
     depth: FloatArray
     total: FloatArray
@@ -148,6 +149,7 @@ class _Segments:
         m = n - 1
         return cls(
             source=rgb_source.reshape(m, -1, 3),
+            extinction=tau_here.reshape(m, -1, 1),
             weight=(weights / 2 * width).reshape(m, -1),
             depth=np.where(width > 0, before + within, 0.0).reshape(m, -1),
             total=piece_total.sum(axis=(1, 2)),
@@ -191,7 +193,10 @@ def _fill_attenuated(texels: npt.NDArray[np.float32], segments: _Segments, lengt
         upward = rate[:, None, None] * segments.weight * np.exp(-depth)
         downward = rate[:, None, None] * segments.weight * np.exp(depth - total[..., None])
         weights = np.stack([upward, downward])[..., None, :]
-        colour = _windows((weights @ segments.source)[..., 0, :], np.exp(-total)[..., None], m)
+        # What Gauss nodes miss of a steep decay is put right by what is known: the opacity of the segment.
+        found = (weights @ segments.extinction)[..., 0, :]
+        right = np.where(total > 0.05, -np.expm1(-total), 1.0)[..., None] / np.where((total > 0.05)[..., None], found, 1.0)
+        colour = _windows((weights @ segments.source)[..., 0, :] * right, np.exp(-total)[..., None], m)
         # K = C tau / (1 - exp(-tau d)), and C / d in the limit.
         slab_depth = (rate[:, None] * (prefix[m:] - prefix[:-m]))[..., None]
         thick = slab_depth > 1e-9

@@ -4,7 +4,7 @@ import generated::frame::frame;
 import generated::layer::layer;
 import generated::driver::OFFSETS;
 import generated::pass::{radiance, depth};
-import generated::sizes::{HAS_EMPTY, SKIPS_EMPTY, Values, WORKGROUP_X, WORKGROUP_Y};
+import generated::sizes::{HAS_EMPTY, SKIPS_EMPTY, WORKGROUP_X, WORKGROUP_Y};
 import package::empty::is_empty;
 import package::ray::{Ray, INFINITE};
 import package::sample::{Sample, Slab, Medium, Result};
@@ -48,7 +48,7 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
     var back = next;
     var length = max(next.t_world - front.t_world, 0.0);
     if (HAS_EMPTY) {
-      // Where one end is empty, half of the slab is there, with the value of the other end.
+      // Where one end is empty, half of the slab is there, with the sample of the other end.
       let gaps = vec2<bool>(is_empty(front.value), is_empty(next.value));
       if (all(gaps)) {
         if (next.t_world >= span.y) { break; }
@@ -56,8 +56,8 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
         continue;
       }
       length *= select(1.0, 0.5, any(gaps));
-      if (gaps.x) { front = with_value(front, next.value); }
-      if (gaps.y) { back = with_value(next, front.value); }
+      back = select_sample(next, front, gaps.y);
+      front = select_sample(front, next, gaps.x);
     }
     let share = surface(front, back);
     if (share <= 1.0) {
@@ -75,8 +75,9 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
   return finish(acc);
 }
 
-fn with_value(other: Sample, value: Values) -> Sample {
-  return Sample(value, other.gradient, other.p_index, other.p_world, other.t_world);
+fn select_sample(one: Sample, other: Sample, takes_other: bool) -> Sample {
+  if (takes_other) { return other; }
+  return one;
 }
 
 // A surface inside a slab: the sample there, as a slab without length.

@@ -6,7 +6,10 @@ import generated::sizes::HAS_EMPTY;
 import package::empty::is_empty;
 
 // Derivative along an index axis, given as a unit vector [data/voxel].
-fn difference(p_index: vec3f, axis: vec3f) -> f32 {
+fn difference(p_index: vec3f, axis: vec3f) -> f32 { return known_difference(p_index, axis).x; }
+
+// The derivative, and 1 where it is known: there is none at an empty sample.
+fn known_difference(p_index: vec3f, axis: vec3f) -> vec2f {
   var low = max(p_index - axis, layer.domain_low);
   var high = min(p_index + axis, layer.domain_high);
   var value_low = field_value(locate(low));
@@ -15,10 +18,10 @@ fn difference(p_index: vec3f, axis: vec3f) -> f32 {
     let value_here = field_value(locate(p_index));
     if (is_empty(value_low)) { low = p_index; value_low = value_here; }
     if (is_empty(value_high)) { high = p_index; value_high = value_here; }
-    if (is_empty(value_here)) { return 0.0; }
+    if (is_empty(value_here)) { return vec2f(0.0); }
   }
   let width = dot(high - low, axis);
-  return select(0.0, (value_high - value_low) / width, width > 1e-6);
+  return vec2f(select(0.0, (value_high - value_low) / width, width > 1e-6), 1.0);
 }
 
 // Gradient in the world [data/world] of one in index coordinates [data/voxel].

@@ -2,23 +2,24 @@
 
 import slot::field::Place;
 import generated::layer::layer;
-import package::gradient::difference::{difference, gradient_world};
+import package::gradient::difference::{known_difference, gradient_world};
 
 fn field_gradient(place: Place) -> vec3f {
   var sum = vec3f(0.0);
+  var known = vec3f(0.0);
   for (var i = -1; i <= 1; i++) {
     for (var j = -1; j <= 1; j++) {
-      let weight = f32((2 - abs(i)) * (2 - abs(j))) / 16.0;
+      let weight = f32((2 - abs(i)) * (2 - abs(j)));
       let u = f32(i);
       let v = f32(j);
-      sum += weight * vec3f(
-        difference(inside(place.p_index + vec3f(0.0, u, v)), vec3f(1.0, 0.0, 0.0)),
-        difference(inside(place.p_index + vec3f(u, 0.0, v)), vec3f(0.0, 1.0, 0.0)),
-        difference(inside(place.p_index + vec3f(u, v, 0.0)), vec3f(0.0, 0.0, 1.0)),
-      );
+      let x = known_difference(inside(place.p_index + vec3f(0.0, u, v)), vec3f(1.0, 0.0, 0.0));
+      let y = known_difference(inside(place.p_index + vec3f(u, 0.0, v)), vec3f(0.0, 1.0, 0.0));
+      let z = known_difference(inside(place.p_index + vec3f(u, v, 0.0)), vec3f(0.0, 0.0, 1.0));
+      sum += weight * vec3f(x.x, y.x, z.x);
+      known += weight * vec3f(x.y, y.y, z.y);
     }
   }
-  return gradient_world(sum);
+  return gradient_world(sum / max(known, vec3f(1.0)));
 }
 
 fn inside(p_index: vec3f) -> vec3f { return clamp(p_index, layer.domain_low, layer.domain_high); }

@@ -7,10 +7,8 @@ import threading
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future
 
-import wgpu
-
-from ..errors import AirlightError, DeviceError, LimitError
 from ..gpu.device import Device, open_device
+from ..gpu.failure import device_failures
 from ..gpu.textures import Progress
 from ..gpu.thread import Job, RenderThread, T
 from ..scene import Scene
@@ -121,22 +119,8 @@ class Renderer:
     def _guarded(self, job: Job[T], work: Callable[[Device], T]) -> T:
         """Do work on the device; whatever breaks the device leaves room for a new one."""
         device = self._open()
-        try:
+        with device_failures(device.info, self._drop):
             return work(device)
-        except AirlightError:
-            raise
-        except wgpu.GPUOutOfMemoryError as error:
-            self._drop()
-            raise LimitError(
-                f"device {device.info.name!r}",
-                "ran out of memory",
-                "draw a smaller image, a coarser level or a cropped volume, or choose another device",
-            ) from error
-        except (wgpu.GPUError, RuntimeError) as error:
-            self._drop()
-            raise DeviceError(
-                f"device {device.info.name!r}", f"was lost or failed ({error})", "render again: a new device is opened"
-            ) from error
 
 
 _shared: dict[str | None, Renderer] = {}

@@ -132,7 +132,7 @@ def bound_resources(
         slot, index, name = binding.owner
         if binding.kind == "sampler":
             found[binding.name] = compute.linear_sampler(device)
-        elif binding.kind in ("table", "grid", "gradients"):
+        elif binding.kind in ("table", "grid", "loaded_grid", "gradients"):
             resource = (scene if index is None else layers[index].resources)[slot][name]
             found[binding.name] = _view(device, resource, layers[index or 0], progress)
     return found

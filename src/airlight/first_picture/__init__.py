@@ -1,0 +1,70 @@
+"""A good first picture: transfer function, view and lights chosen from the data."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from ..scene import Look, Scene, fit_camera
+from ..stages.shade import BlinnPhong
+from ..transfer import TransferFunction
+from ..volume import Volume
+from .functions import chosen_function
+from .survey import Survey, survey
+from .view import chosen_direction, chosen_lights, fitted_camera, visible_points
+
+__all__ = ["automatic_transfer", "first_picture", "resolve"]
+
+BACKGROUND = (0.0, 0.0, 0.0)
+
+
+def automatic_transfer(volume: Volume, channel: int | str = 0, time: int = 0) -> TransferFunction:
+    """Return the transfer function that shows the object in a volume and not the noise round it.
+
+    Chosen from the histogram, the faces of the grid, and what the file says of modality and units; kept with the volume.
+    """
+    cache: dict[tuple[int, int], TransferFunction] = volume.__dict__.setdefault("_automatic_transfers", {})
+    slot = (volume.channel_index(channel), time)
+    if slot not in cache:
+        cache[slot] = chosen_function(volume, survey(volume, *slot))
+    return cache[slot]
+
+
+def first_picture(volume: Volume, size_px: tuple[int, int] = (512, 512)) -> Scene:
+    """Return the scene that shows a volume well without any choice of the user's."""
+    found = survey(volume)
+    function = automatic_transfer(volume)
+    points = visible_points(volume, function, found)
+    to_eye, up = chosen_direction(points, volume, found)
+    camera = fitted_camera(points, to_eye, up, size_px[0] / size_px[1])
+    return Scene(
+        volume,
+        transfer=function,
+        look=_look(found),
+        camera=camera,
+        lights=chosen_lights(to_eye, up),
+        background=BACKGROUND,
+    )
+
+
+def resolve(scene: Scene, size_px: tuple[int, int]) -> Scene:
+    """Fill in what a scene leaves open: transfer functions, and the camera of a named view."""
+    layers = tuple(
+        layer
+        if layer.transfer is not None
+        else dataclasses.replace(layer, transfer=automatic_transfer(layer.volume, layer.channel, layer.time))
+        for layer in scene.layers
+    )
+    camera = scene.camera
+    if isinstance(camera, str):
+        corners = [c for layer in scene.visible_layers or scene.layers for c in layer.volume.corners_world()]
+        camera = fit_camera(camera, corners, size_px[0] / size_px[1])
+    return dataclasses.replace(scene, layers=layers, camera=camera)
+
+
+def _look(found: Survey) -> Look:
+    if found.kind == "labels":
+        shade = BlinnPhong(ambient=0.25, diffuse=0.65, specular=0.06, shininess=15)
+        return Look(field="nearest", gradient="sobel", transfer="postclassified", shade=shade)
+    if found.kind in ("cloud", "filled", "signed", "constant"):
+        return Look(shade=BlinnPhong(ambient=0.45, diffuse=0.5, specular=0.08, shininess=20))
+    return Look(shade=BlinnPhong(ambient=0.14, diffuse=0.68, specular=0.16, shininess=25))

@@ -1,0 +1,113 @@
+"""Where the object is under a transfer function, and a camera that shows it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from ..scene import VIEWS, Light
+from ..stages.camera import Camera
+from ..transfer import TransferFunction
+from ..volume import FloatArray, Volume
+from .survey import Survey
+
+FOV_DEG = 30.0
+MARGIN = 1.08
+LEAST_OPACITY = 0.02
+FLAT = 0.4
+
+
+def visible_points(volume: Volume, function: TransferFunction, found: Survey) -> FloatArray:
+    """World positions (n, 3) of samples that are seen, specks left out; the corners of the domain where nothing is."""
+    extinction = np.interp(found.samples, function.values, function.extinctions)
+    seen = (extinction * max(volume.spacing) * max(found.stride) > LEAST_OPACITY) & found.filled
+    for axis in range(3):
+        count = seen.sum(axis=tuple(a for a in range(3) if a != axis))
+        kept = np.flatnonzero(count > 0.004 * count.max()) if count.max() else np.empty(0, dtype=np.intp)
+        if kept.size == 0:
+            return volume.corners_world()
+        outside = np.ones(len(count), dtype=bool)
+        outside[kept[0] : kept[-1] + 1] = False
+        np.moveaxis(seen, axis, 0)[outside] = False
+    # The first and the last of each row hold all that can touch the border of the picture.
+    rows = seen.any(axis=2)
+    first, last = seen.argmax(axis=2)[rows], seen.shape[2] - 1 - seen[:, :, ::-1].argmax(axis=2)[rows]
+    z, y = np.nonzero(rows)
+    sz, sy, sx = found.stride
+    p_index = np.concatenate([np.stack([x * sx, y * sy, z * sz], axis=1) for x in (first, last)]).astype(np.float64)
+    return np.asarray(p_index @ volume.world_from_index[:3, :3].T + volume.world_from_index[:3, 3])
+
+
+def chosen_direction(points: FloatArray, volume: Volume, found: Survey) -> tuple[FloatArray, FloatArray]:
+    """Direction towards the eye, and up: the front of anatomy, else a corner, turned towards the object's large faces."""
+    extents = np.maximum(np.ptp(points, axis=0), 1e-30)
+    up = np.array([0.0, 0.0, 1.0])
+    flat = extents[2] < FLAT * extents[:2].min()
+    if volume.anatomical and not flat:
+        behind_table = found.kind == "ct" and _table_in_front(volume, found)
+        return np.asarray(VIEWS["back" if behind_table else "front"][0], dtype=np.float64), up
+    faces = extents.max() / extents
+    # A few slices of a body are looked at from the feet, as radiologists do.
+    base = np.array([0.0, -0.75, -0.6]) if volume.anatomical else np.asarray(VIEWS["iso"][0])
+    direction = base * (faces / faces.max()) ** 0.6
+    return direction / np.linalg.norm(direction), up
+
+
+def _table_in_front(volume: Volume, found: Survey) -> bool:
+    """Whether the front of a CT is hidden by the table: rays in the middle meet something thin, then air, then the body.
+
+    Patients lie on their back, as a rule, but files that are turned by mistake are about.
+    """
+    axis = int(np.argmax(np.abs(volume.world_from_index[1, :3])))
+    solid = np.moveaxis(found.samples > found.begin, 2 - axis, 2)
+    a, b, _ = solid.shape
+    solid = solid[a // 3 : a - a // 3, b // 3 : b - b // 3]
+    if volume.world_from_index[1, axis] < 0:
+        solid = solid[..., ::-1]
+    return _thin_first(solid) > 0.5 and _thin_first(solid[..., ::-1]) < 0.2
+
+
+def _thin_first(solid: npt.NDArray[np.bool_]) -> float:
+    """Share of rows that meet something before a gap, which is less than a fifth of all they meet."""
+    begin = solid.argmax(axis=-1)[..., None]
+    gap = ~solid & (np.arange(solid.shape[-1]) > begin)
+    first = np.where(gap.any(axis=-1), gap.argmax(axis=-1), solid.shape[-1]) - begin[..., 0]
+    met = solid.sum(axis=-1)
+    return float((first < 0.2 * met)[met > 0].mean()) if met.any() else 0.0
+
+
+def fitted_camera(points: FloatArray, to_eye: FloatArray, up: FloatArray, aspect: float) -> Camera:
+    """Perspective camera that looks along a direction and shows all points, in the middle of the picture."""
+    right = np.cross(up, to_eye)
+    right /= np.linalg.norm(right)
+    above = np.cross(to_eye, right)
+    tangent = math.tan(math.radians(FOV_DEG) / 2) / MARGIN
+    target = (points.min(axis=0) + points.max(axis=0)) / 2
+    distance = 0.0
+    for _ in range(3):
+        p = points - target
+        x, y, towards = p @ right, p @ above, p @ to_eye
+        distance = float((towards + np.maximum(np.abs(x) / (tangent * aspect), np.abs(y) / tangent)).max())
+        distance = max(distance, 1e-6 * float(np.abs(points).max()), 1e-12)
+        # Where the picture's border is touched on one side only, the middle moves over there.
+        depth = np.maximum(distance - towards, 1e-3 * distance)
+        px, py = x / depth, y / depth
+        target = target + distance * ((px.min() + px.max()) / 2 * right + (py.min() + py.max()) / 2 * above)
+    p = points - target
+    aside = np.maximum(np.abs(p @ right) / (tangent * aspect), np.abs(p @ above) / tangent)
+    distance = max(float((p @ to_eye + aside).max()), distance * 1e-3, 1e-12)
+    x, y, z = (float(c) for c in target + distance * to_eye)
+    tx, ty, tz = (float(c) for c in target)
+    ux, uy, uz = (float(c) for c in up)
+    return Camera.perspective(eye=(x, y, z), target=(tx, ty, tz), up=(ux, uy, uz), fov_deg=FOV_DEG)
+
+
+def chosen_lights(to_eye: FloatArray, up: FloatArray, key: float = 1.0, fill: float = 0.35) -> tuple[Light, ...]:
+    """Return a key light from the upper left of the eye, and a weaker one at the eye."""
+    right = np.cross(up, to_eye)
+    right /= np.linalg.norm(right)
+    above = np.cross(to_eye, right)
+    x, y, z = (float(c) for c in to_eye - 0.65 * right + 0.75 * above)
+    return Light.directional(to_light=(x, y, z), intensity=key), Light.head(intensity=fill)

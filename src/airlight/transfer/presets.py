@@ -1,0 +1,157 @@
+"""Named transfer functions: CT in Hounsfield units, others by the data's own robust range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..errors import ValueRangeError
+from ..volume import Volume, statistics
+from .function import TransferFunction
+
+Points = tuple[tuple[float, str, float], ...]
+
+MM_PER_UNIT = {"": 1.0, "mm": 1.0, "m": 1e3, "cm": 10.0, "dm": 100.0, "um": 1e-3, "µm": 1e-3, "nm": 1e-6, "inch": 25.4}
+OTHER_UNIT_MM = 1.0
+ROBUST_PERCENT = (1.0, 99.8)
+
+
+@dataclass(frozen=True)
+class Preset:
+    """Points of a function, with the meaning of their values and extinctions.
+
+    Attributes
+    ----------
+    summary
+        What it shows, in a few words.
+    points
+        ``(value, sRGB colour, extinction)``.
+    relative
+        False: values in Hounsfield units, extinctions per millimetre. True: values as shares of the robust range, extinctions
+        as optical depths of the whole object.
+    """
+
+    summary: str
+    points: Points
+    relative: bool = False
+
+
+PRESETS: dict[str, Preset] = {
+    "ct_bone": Preset(
+        "bones alone",
+        ((150, "#a3704f", 0.0), (260, "#d9b48c", 0.12), (450, "#efdfc0", 0.9), (900, "#f7efdf", 1.6), (1500, "#ffffff", 2.0)),
+    ),
+    "ct_soft_tissue": Preset(
+        "muscles and organs, fat left out",
+        (
+            (-20, "#8c3226", 0.0),
+            (30, "#a8453a", 0.12),
+            (80, "#c4665a", 0.3),
+            (180, "#e0a080", 0.45),
+            (400, "#efdfc0", 0.9),
+            (1200, "#ffffff", 1.5),
+        ),
+    ),
+    "ct_skin": Preset(
+        "the skin, opaque",
+        ((-600, "#c08a6e", 0.0), (-400, "#d9a384", 0.5), (-150, "#e5b699", 1.2), (300, "#efcdb4", 1.5), (1200, "#fff4e8", 2.0)),
+    ),
+    "ct_lung": Preset(
+        "airways and vessels of the lung",
+        (
+            (-960, "#20304c", 0.0),
+            (-860, "#44608c", 0.004),
+            (-700, "#7f9cc0", 0.012),
+            (-550, "#d3a593", 0.05),
+            (-300, "#e2c0ae", 0.02),
+            (-150, "#e2c0ae", 0.0),
+        ),
+    ),
+    "ct_vessels": Preset(
+        "vessels with contrast medium, and bones",
+        (
+            (120, "#70140c", 0.0),
+            (180, "#a82418", 0.12),
+            (280, "#d0452c", 0.6),
+            (450, "#e8b088", 0.8),
+            (700, "#f0e2c8", 1.2),
+            (1500, "#ffffff", 2.0),
+        ),
+    ),
+    "mri": Preset(
+        "the head or body as a whole",
+        (
+            (0.12, "#8a5c48", 0.0),
+            (0.2, "#c89478", 40.0),
+            (0.45, "#e2bda2", 120.0),
+            (0.7, "#f0dccb", 160.0),
+            (1.0, "#ffffff", 200.0),
+        ),
+        relative=True,
+    ),
+    "microscopy": Preset(
+        "bright structures before a dark background, glowing",
+        (
+            (0.15, "#1b0c41", 0.0),
+            (0.3, "#781c6d", 2.5),
+            (0.5, "#cf4446", 10.0),
+            (0.75, "#f8a12c", 30.0),
+            (1.0, "#fcffa4", 60.0),
+        ),
+        relative=True,
+    ),
+    "xray": Preset(
+        "as an X-ray picture: all is seen through",
+        ((0.05, "#ffffff", 0.0), (0.5, "#ffffff", 1.0), (1.0, "#ffffff", 4.0)),
+        relative=True,
+    ),
+}
+
+
+def names() -> tuple[str, ...]:
+    """Names of the presets."""
+    return tuple(PRESETS)
+
+
+def describe(name: str) -> str:
+    """What a preset shows, and what its values mean."""
+    preset = _preset(name)
+    return f"{preset.summary} ({'by the robust range of the data' if preset.relative else 'Hounsfield units'})"
+
+
+def get(name: str, volume: Volume, channel: int | str = 0, time: int = 0) -> TransferFunction:
+    """Transfer function of a preset for a volume, with extinctions per world unit of the volume.
+
+    Parameters
+    ----------
+    name
+        One of ``names()``; ``-`` may stand for ``_``.
+    volume
+        Its unit of length, its size and its range are looked at. Without a unit, one is a millimetre.
+    channel, time
+        What the function is for.
+
+    Raises
+    ------
+    ValueRangeError
+        For an unknown name; it lists the known ones.
+    """
+    preset = _preset(name)
+    if not preset.relative:
+        # Lengths without a fixed size, like "bohr", say nothing of millimetres.
+        millimetres = MM_PER_UNIT.get(volume.units, OTHER_UNIT_MM)
+        return TransferFunction([(value, colour, extinction * millimetres) for value, colour, extinction in preset.points])
+    known = statistics(volume, channel, time)
+    low, high = (known.percentile(p) for p in ROBUST_PERCENT)
+    if high <= low:
+        low, high = known.minimum, max(known.maximum, known.minimum + 1)
+    extent = max(n * s for n, s in zip(volume.size, volume.spacing, strict=True))
+    return TransferFunction(
+        [(low + share * (high - low), colour, depth / extent) for share, colour, depth in preset.points]
+    )
+
+
+def _preset(name: str) -> Preset:
+    preset = PRESETS.get(name.replace("-", "_"))
+    if preset is None:
+        raise ValueRangeError("preset", f"is {name!r}, must be one of {', '.join(PRESETS)}")
+    return preset
