@@ -21,7 +21,7 @@ from airlight.scene_file import load_scene
 from airlight.stage import STAGES, stage_fields
 from airlight.stages.driver import March
 from airlight.stages.shade import BlinnPhong
-from airlight.transfer import TransferFunction
+from airlight.transfer import TransferFunction, presets
 from airlight.volume import Volume
 
 PLUGIN = '''
@@ -112,11 +112,9 @@ def test_orthographic_views_show_the_same(volume_file: str, drawn: Drawn, tmp_pa
 
 
 def test_presets_and_projections(volume_file: str, drawn: Drawn, tmp_path: Path) -> None:
-    from airlight.app.presets import PRESETS
-
-    for name in PRESETS:
+    for name in presets.names():
         assert cli.main(["render", volume_file, "-o", str(tmp_path / "a.png"), "--preset", name]) == 0
-    assert len({scene.layers[0].transfer for scene, _, _ in drawn}) == len(PRESETS)
+    assert len({scene.layers[0].transfer for scene, _, _ in drawn}) == len(presets.names())
     assert cli.main(["render", volume_file, "-o", str(tmp_path / "a.png"), "--integrate", "mip", "--channel", "1"]) == 0
     function = drawn[-1][0].layers[0].transfer
     assert function is not None
@@ -168,8 +166,8 @@ def test_errors_are_one_message(volume_file: str, drawn: Drawn, tmp_path: Path, 
     assert "folder is not there" in fails(capsys, "render", volume_file, "-o", str(tmp_path / "no" / "a.png"))
     assert "requires an argument" in fails(capsys, "render", volume_file)
     assert "--shade is 'x'" in fails(capsys, "render", volume_file, "-o", out, "--shade", "x")
-    assert "exclude each other" in fails(capsys, "render", volume_file, "-o", out, "--tf", "0:red:1", "--preset", "grey")
-    assert "--preset is 'x'" in fails(capsys, "render", volume_file, "-o", out, "--preset", "x")
+    assert "exclude each other" in fails(capsys, "render", volume_file, "-o", out, "--tf", "0:red:1", "--preset", "xray")
+    assert "preset is 'x'" in fails(capsys, "render", volume_file, "-o", out, "--preset", "x")
     assert "--step" in fails(capsys, "render", volume_file, "-o", out, "--step", "fast")
     assert "--step is -1.0" in fails(capsys, "render", volume_file, "-o", out, "--step=-1")
     assert "--skip" in fails(capsys, "render", volume_file, "-o", out, "--skip", "all")
@@ -183,6 +181,9 @@ def test_errors_are_one_message(volume_file: str, drawn: Drawn, tmp_path: Path, 
 def test_scene_files_do_not_take_reading_options(volume_file: str, drawn: Drawn, tmp_path: Path, capsys: Any) -> None:
     scene_file = str(tmp_path / "scene.toml")
     assert cli.main(["render", volume_file, "-o", str(tmp_path / "a.png"), "--save-scene", scene_file]) == 0
+    with open(scene_file, "a", encoding="utf-8") as file:
+        file.write("tolerance = 0.5\n")
+    assert "render.tolerance is not used" in fails(capsys, "render", scene_file, "-o", str(tmp_path / "b.png"))
     assert "--big-endian tells how" in fails(capsys, "render", scene_file, "-o", str(tmp_path / "b.png"), "--big-endian")
 
 

@@ -14,7 +14,8 @@ from ..first_picture import first_picture
 from ..scene import VIEWS, Camera, Layer, Look, Scene, fit_camera
 from ..stage import Stage
 from ..stages.camera import Orthographic, Perspective
-from ..volume import Volume
+from ..transfer import TransferFunction, presets
+from ..volume import Volume, statistics
 from .options import SLOTS, DrawOptions, LookOptions, ReadOptions, ViewOptions
 from .parse import (
     parse_background,
@@ -26,7 +27,6 @@ from .parse import (
     parse_stage,
     parse_transfer,
 )
-from .presets import preset_function, projection_function
 from .progress import ProgressBar
 
 SIZE = (512, 512)
@@ -84,6 +84,8 @@ def make_job(
         changes["background"] = parse_background(view.background)
     if is_scene(path):
         scene, options = _load(path, read, progress)
+        if "tolerance" in options:
+            raise ValueRangeError(f"{path}: render.tolerance", "is not used by this version", "leave it out, and choose a step")
         arguments = {key: value for key, value in options.items() if key in ("driver", "step", "skip")} | arguments
         size = size or options.get("size") or SIZE
     else:
@@ -150,10 +152,17 @@ def _with_look(layer: Layer, look: LookOptions, stages: dict[str, Stage]) -> Lay
         changes["time"] = look.time
     channel, time = changes.get("channel", layer.channel), changes.get("time", layer.time)
     if look.preset is not None:
-        changes["transfer"] = preset_function(look.preset, layer.volume, channel, time)
+        changes["transfer"] = presets.get(look.preset, layer.volume, channel, time)
     elif "integrate" in stages and stages["integrate"].name in PROJECTIONS:
         changes["transfer"] = projection_function(layer.volume, channel, time)
     return dataclasses.replace(layer, **changes) if changes else layer
+
+
+def projection_function(volume: Volume, channel: int | str = 0, time: int = 0) -> TransferFunction:
+    """Black to white from the robust minimum to the maximum: what projections of values are shown with."""
+    known = statistics(volume, channel, time)
+    low = known.percentile(0.5)
+    return TransferFunction([(low, "black", 0.0), (max(known.maximum, low), "white", 1.0)])
 
 
 def orthographic(scene: Scene, size: tuple[int, int]) -> Scene:

@@ -9,8 +9,8 @@ from typing import Annotated, Literal
 from cyclopts import Group, Parameter
 
 from ..scene import VIEWS
+from ..transfer import presets
 from .parse import choices
-from .presets import PRESETS
 
 LOOK = Group("Look", sort_key=1)
 VIEW = Group("View", sort_key=2)
@@ -30,7 +30,7 @@ class LookOptions:
     """Transfer function and stages; stages take parameters as in ``blinn_phong:ambient=0.2`` (see ``airlight stages``)."""
 
     preset: Annotated[
-        str | None, Parameter(group=LOOK, metavar="NAME", help=f"A transfer function made ready: {', '.join(PRESETS)}.")
+        str | None, Parameter(group=LOOK, metavar="NAME", help=f"A transfer function made ready: {', '.join(presets.names())}.")
     ] = None
     tf: Annotated[
         str | None,

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import colorsys
-import math
+from dataclasses import replace
 
 import numpy as np
 
-from ..transfer import TransferFunction, linear_rgb, srgb_to_linear
+from ..transfer import TransferFunction, srgb_to_linear
 from ..volume import FloatArray, Volume
 from .survey import Survey
 
@@ -18,13 +18,16 @@ NARROWEST = 1 / 30
 """Least width of a segment as a share of the function's domain: tables for light along slabs grow with narrow ones."""
 
 FLESH = ("#b07c60", "#dcae90", "#edd6bc", "#f8f0e4")
-STONE = ("#5f6b7c", "#a9aeb0", "#dfd3bb", "#f8f0dd")
+STONE = ("#978f82", "#c6bca8", "#e4d9c2", "#f8f0dd")
 GLOW = ("#30105c", "#8c2369", "#d84c3e", "#fba40a", "#fcf6a0")
 SKIN, BONE = "#e0a584", "#f0e2c8"
 
 
 def chosen_function(volume: Volume, found: Survey) -> TransferFunction:
     """Transfer function that shows what was found."""
+    if found.dark:
+        negated = chosen_function(volume, replace(found, samples=-found.samples, dark=False))
+        return TransferFunction([(-value, colour, extinction) for value, colour, extinction in negated.points[::-1]])
     spacing = float(np.prod(volume.spacing) ** (1 / 3))
     solid = SOLID_PER_VOXEL / min(volume.spacing)
     if found.kind == "empty":
@@ -36,7 +39,7 @@ def chosen_function(volume: Volume, found: Survey) -> TransferFunction:
     if found.kind == "labels":
         return _labels(found, 0.7 * solid)
     if found.kind == "ct":
-        return _ct(spacing)
+        return _ct(found, spacing)
     if found.kind == "signed":
         return _signed(found, _extent(volume))
     if found.kind == "object":
@@ -45,7 +48,8 @@ def chosen_function(volume: Volume, found: Survey) -> TransferFunction:
 
 
 def _extent(volume: Volume) -> float:
-    return max(n * s for n, s in zip(volume.size, volume.spacing, strict=True))
+    """Way through the volume, about: the geometric mean of its sides."""
+    return float(np.prod([n * s for n, s in zip(volume.size, volume.spacing, strict=True)]) ** (1 / 3))
 
 
 def _mask(found: Survey, solid: float) -> TransferFunction:
@@ -53,7 +57,9 @@ def _mask(found: Survey, solid: float) -> TransferFunction:
     # The surface lies halfway between the two values; wide enough for a small table, narrow enough to be a surface.
     width = (high - low) * 0.1
     middle = (high + low) / 2
-    return TransferFunction([(middle - width, STONE[1], 0.0), (middle + width, STONE[2], 1.5 * solid), (high, STONE[2], 1.5 * solid)])
+    return TransferFunction(
+        [(middle - width, STONE[1], 0.0), (middle + width, STONE[2], 1.5 * solid), (high, STONE[2], 1.5 * solid)]
+    )
 
 
 def _labels(found: Survey, solid: float) -> TransferFunction:
@@ -76,9 +82,11 @@ def label_colour(number: int) -> tuple[float, float, float]:
     return float(r), float(g), float(b)
 
 
-def _ct(spacing: float) -> TransferFunction:
+def _ct(found: Survey, spacing: float) -> TransferFunction:
+    if float((found.values > 250).mean()) < 5e-4:
+        return _ct_without_bone(spacing)
     # Skin is crossed within a voxel or two whatever their size: its opacity is that of a voxel, not of a millimetre.
-    skin = 0.2 / spacing
+    skin = 0.15 / spacing
     solid = 1.2 / spacing
     return TransferFunction(
         [
@@ -91,6 +99,13 @@ def _ct(spacing: float) -> TransferFunction:
             (420, BONE, solid),
             (1400, "#ffffff", 1.5 * solid),
         ]
+    )
+
+
+def _ct_without_bone(spacing: float) -> TransferFunction:
+    solid = 1.2 / spacing
+    return TransferFunction(
+        [(-60, "#8c4a3c", 0.0), (10, "#a8645a", 0.3 * solid), (50, "#d8a090", 0.7 * solid), (120, "#f4dcd0", solid)]
     )
 
 

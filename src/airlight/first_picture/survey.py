@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from ..volume import AnyArray, FloatArray, Statistics, Volume, is_empty, statistics
+from .histogram import materials, noise_above, otsu_threshold
 
 SAMPLES_PER_AXIS = 96
 MOST_LABELS = 1600
@@ -39,6 +40,8 @@ class Survey:
         Values of the object's materials, rising; empty where none stands out.
     labels
         Whole values that occur, for labels and masks.
+    dark
+        The object is darker than what surrounds it: background, noise_top, begin and peaks are those of the negated values.
     """
 
     kind: str
@@ -51,6 +54,7 @@ class Survey:
     begin: float = 0.0
     peaks: tuple[float, ...] = ()
     labels: tuple[int, ...] = ()
+    dark: bool = False
 
     @property
     def values(self) -> FloatArray:
@@ -71,7 +75,7 @@ def survey(volume: Volume, channel: int | str = 0, time: int = 0) -> Survey:
 def _survey(volume: Volume, channel: int, time: int) -> Survey:
     grid = volume.grid(channel, time)
     known = statistics(volume, channel, time)
-    z, y, x = (max(1, n // SAMPLES_PER_AXIS) for n in grid.shape)
+    z, y, x = (-(-n // SAMPLES_PER_AXIS) for n in grid.shape)
     part = grid[::z, ::y, ::x]
     mask = is_empty(part, volume.no_data)
     filled = np.ones(part.shape, dtype=bool) if mask is None else ~mask
@@ -88,7 +92,7 @@ def _survey(volume: Volume, channel: int, time: int) -> Survey:
         return _changed(found, kind=kind, background=float(whole[0]), begin=begin, labels=whole)
     if is_ct(volume, known):
         return _changed(found, kind="ct", background=-1000.0, noise_top=-700.0, begin=-500.0)
-    return _scalar(found)
+    return _scalar(found, volume.modality)
 
 
 def is_ct(volume: Volume, known: Statistics) -> bool:
@@ -112,9 +116,8 @@ def is_ct(volume: Volume, known: Statistics) -> bool:
 
 def _labels(volume: Volume, grid: AnyArray, known: Statistics) -> tuple[int, ...]:
     """Whole values that occur, where the data are labels or a mask of two values; else nothing."""
-    if grid.dtype.kind == "f":
-        if known.maximum - known.minimum >= MOST_LABELS or not _all_whole(grid, volume.no_data):
-            return ()
+    if grid.dtype.kind == "f" and (known.maximum - known.minimum >= MOST_LABELS or not _all_whole(grid, volume.no_data)):
+        return ()
     if grid.dtype == bool:
         return (0, 1)
     said = volume.modality == "labels"
@@ -139,7 +142,7 @@ def _all_whole(grid: AnyArray, no_data: float | None) -> bool:
 
 
 def _is_flat(grid: AnyArray, known: Statistics) -> bool:
-    """Whether neighbours beside the commonest value are mostly equal, and far apart where they are not."""
+    """Whether neighbours that do not have the commonest value are mostly equal."""
     occurring = int(np.count_nonzero(known.histogram))
     if occurring == 2:
         return True
@@ -159,7 +162,7 @@ def _is_flat(grid: AnyArray, known: Statistics) -> bool:
 # -- images and fields
 
 
-def _scalar(found: Survey) -> Survey:
+def _scalar(found: Survey, modality: str) -> Survey:
     values = found.values
     known = found.known
     low, high = np.percentile(values, (0.1, 99.9)) if values.size else (known.minimum, known.maximum)
@@ -171,19 +174,24 @@ def _scalar(found: Survey) -> Survey:
     counts, edges = np.histogram(values, bins=BINS, range=(low, high))
     middle = (edges[1:] + edges[:-1]) / 2
     faces = _faces(found)
-    background = float(np.median(faces)) if faces.size else float(low)
+    # Bodies in an MR scanner often reach through several faces; air is dark.
+    background = float(np.percentile(faces, 25 if modality == "MR" else 50)) if faces.size else float(low)
     at = int(np.clip(np.searchsorted(edges, background) - 1, 0, BINS - 1))
-    otsu = _otsu(counts, middle)
+    otsu = otsu_threshold(counts, middle)
     share = counts[: at + 1].sum() / counts.sum()
-    surrounded = background < otsu and (faces < otsu).mean() > 0.6
+    if faces.size and not found.dark and _is_bright_background(faces, background, otsu, float(low)):
+        negated = _scalar(_changed(found, samples=-found.samples, dark=True), modality)
+        return _changed(negated, samples=found.samples)
+    surrounded = faces.size > 0 and background < otsu and (faces < otsu).mean() > 0.6
     if not surrounded or share > 0.9995:
         return _changed(found, kind="filled", background=float(low), begin=float(np.percentile(values, 60)))
-    noise_top = _noise_top(faces[faces <= otsu], background, otsu)
-    peaks, valley = _materials(counts, middle, at, noise_top)
+    noise_top = noise_above(faces[faces <= otsu], background, otsu)
+    peaks, valley = materials(counts, middle, at, noise_top)
     if not peaks:
         # Noise without a gap to what is bright: go by the spread of the faces' lower half, which holds nothing bright.
         lower = background - faces[faces <= background]
-        noise_top = max(noise_top, background + 6 * float(np.median(lower)))
+        noise = min(4 * float(np.median(lower)), 6 * _roughness(found))
+        noise_top = max(noise_top, background + noise)
         noise_top = min(noise_top, float(np.percentile(values, 99)))
         begin = max(noise_top, (min(otsu, float(np.percentile(values, 97))) + background) / 2)
         return _changed(found, kind="cloud", background=background, noise_top=noise_top, begin=begin)
@@ -199,6 +207,12 @@ def _is_signed(values: FloatArray, low: float, high: float) -> bool:
     return bool((np.abs(values) < 0.2 * max(-low, high)).mean() > 0.5)
 
 
+def _is_bright_background(faces: FloatArray, background: float, otsu: float, low: float) -> bool:
+    """Whether the faces hold one bright value, with little noise."""
+    spread = 1.4826 * float(np.median(np.abs(faces - background)))
+    return bool(background > otsu and (faces > otsu).mean() > 0.9 and spread < 0.1 * (background - low))
+
+
 def _faces(found: Survey) -> FloatArray:
     """Samples on the faces of the grid, of axes with at least four samples."""
     parts = []
@@ -211,49 +225,14 @@ def _faces(found: Survey) -> FloatArray:
     return np.concatenate(parts) if parts else np.empty(0)
 
 
-def _noise_top(low_faces: FloatArray, background: float, most: float) -> float:
-    spread = 1.4826 * float(np.median(np.abs(low_faces - background)))
-    return min(background + max(4 * spread, float(np.percentile(low_faces, 90)) - background), most)
-
-
-def _otsu(counts: npt.NDArray[np.int64], middle: FloatArray) -> float:
-    """Threshold that parts a histogram into the two classes of least variance."""
-    weight = np.cumsum(counts) / counts.sum()
-    mean = np.cumsum(counts * middle) / counts.sum()
-    inside = (weight > 0) & (weight < 1)
-    between = np.zeros(len(counts))
-    between[inside] = (mean[-1] * weight[inside] - mean[inside]) ** 2 / (weight[inside] * (1 - weight[inside]))
-    best = np.flatnonzero(between >= between.max() * (1 - 1e-9))
-    return float(middle[best].mean())
-
-
-def _materials(
-    counts: npt.NDArray[np.int64], middle: FloatArray, background_bin: int, noise_top: float
-) -> tuple[tuple[float, ...], float]:
-    """Peaks of the histogram above the background that stand out from the valley before them, and the first valley."""
-    smooth = counts.astype(np.float64)
-    for _ in range(3):
-        smooth = np.convolve(np.pad(smooth, 2, mode="edge"), (1 / 9, 2 / 9, 3 / 9, 2 / 9, 1 / 9), mode="valid")
-    above = counts[middle > noise_top].sum()
-    peaks: list[float] = []
-    first_valley = 0.0
-    valley, top, rising = background_bin, background_bin, False
-    for i in range(background_bin + 1, len(smooth)):
-        if not rising:
-            valley = i if smooth[i] < smooth[valley] else valley
-            rising = smooth[i] > 1.25 * smooth[valley] + 4 * np.sqrt(smooth[valley]) and middle[i] > noise_top
-            top = i
-            continue
-        top = i if smooth[i] > smooth[top] else top
-        if smooth[i] < 0.8 * smooth[top] or i == len(smooth) - 1:
-            if counts[valley : i + 1].sum() > 0.03 * above:
-                peaks.append(float(middle[top]))
-                first_valley = first_valley or float(middle[valley])
-            rising, valley = False, i
-    return tuple(peaks), first_valley
+def _roughness(found: Survey) -> float:
+    """Standard deviation of the noise, from differences of neighbours; large where a field is smooth but steep, too."""
+    both = found.filled[..., 1:] & found.filled[..., :-1]
+    if not both.any():
+        return 0.0
+    steps = np.diff(found.samples, axis=2)[both]
+    return 1.4826 * float(np.median(np.abs(steps))) / 2**0.5
 
 
 def _changed(found: Survey, **changes: object) -> Survey:
-    from dataclasses import replace
-
     return replace(found, **changes)  # type: ignore[arg-type]

@@ -75,6 +75,14 @@ class Sample:
     def __getitem__(self, rows: BoolArray | IntArray) -> Sample:
         return Sample(self.value[rows], self.empty[rows], self.p_index[rows], self.p_world[rows], self.t_world[rows])
 
+    def middle(self, other: Sample) -> Sample:
+        """Return the points half-way to ``other``, with the mean of both values."""
+
+        def mean(name: str) -> FloatArray:
+            return np.asarray((getattr(self, name) + getattr(other, name)) / 2)
+
+        return Sample(mean("value"), self.empty & other.empty, mean("p_index"), mean("p_world"), mean("t_world"))
+
     def where_empty_take(self, other: Sample) -> Sample:
         """Return the samples with the empty ones replaced by those of ``other``."""
 

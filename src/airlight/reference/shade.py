@@ -45,9 +45,9 @@ def blinn_phong(setup: Setup, sample: Sample, gradient: FloatArray, to_eye: Floa
 
 
 def automatic_threshold(setup: Setup) -> float:
-    """1/500 of the range between the percentiles 0.5 and 99.5 per smallest spacing."""
+    """1/2000 of the range between the percentiles 0.5 and 99.5 per smallest spacing."""
     known = statistics(setup.layer.volume, setup.layer.channel, setup.layer.time)
-    return (known.percentile(99.5) - known.percentile(0.5)) / 500 / setup.spacing_world
+    return (known.percentile(99.5) - known.percentile(0.5)) / 2000 / setup.spacing_world
 
 
 def incidence(lamp: Light, p_world: FloatArray, to_eye: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -77,9 +77,9 @@ def unlit(setup: Setup, slab: Slab, to_eye: FloatArray) -> FloatArray:
 
 
 def sampled(setup: Setup, slab: Slab, to_eye: FloatArray) -> FloatArray:
-    """Light slabs that are not empty at their back sample."""
+    """Light slabs that are not empty in their middle."""
     rows = np.nonzero((slab.alpha > 0) | (slab.rgb > 0).any(axis=1))[0]
-    rgb, point = slab.rgb.copy(), slab.back[rows]
+    rgb, point = slab.rgb.copy(), slab.front[rows].middle(slab.back[rows])
     lit = SHADES[setup.stages["shade"].name](setup, point, field_gradient(setup, point.p_index), to_eye[rows])
     rgb[rows] = rgb[rows] * lit.diffuse + slab.alpha[rows, None] * lit.specular
     return rgb

@@ -21,7 +21,7 @@ class Unlit(Stage):
 @register
 @dataclass(frozen=True)
 class Sampled(Stage):
-    """At one sample of the slab, the back one."""
+    """At one place of the slab, its middle; an end would shift all light by half a step."""
 
     slot: ClassVar[str] = "lighting"
     name: ClassVar[str] = "sampled"

@@ -44,7 +44,7 @@ class BlinnPhong(Shade):
     """Ambient, diffuse and specular light at the gradient, without the factor 1/pi; specular light is white.
 
     ``rgb * (ambient + sum_l L_l * diffuse * |n.l|) + sum_l L_l * specular * |n.h|^shininess``, weighted by opacity. Below
-    ``gradient_threshold`` a normal means nothing and ambient light alone is left; None takes 1/500 of the data's
+    ``gradient_threshold`` a normal means nothing and ambient light alone is left; None takes 1/2000 of the data's
     robust range (percentiles 0.5 to 99.5) per smallest voxel spacing.
     """
 
@@ -69,6 +69,6 @@ class BlinnPhong(Shade):
 
 
 def automatic_threshold(context: Context) -> float:
-    """1/500 of the robust range of the values per smallest spacing, in data units per world unit."""
+    """1/2000 of the robust range of the values per smallest spacing, in data units per world unit."""
     known = statistics(context.volume, context.channel, context.time)
-    return 0.002 * (known.percentile(99.5) - known.percentile(0.5)) / min(context.volume.spacing)
+    return 0.0005 * (known.percentile(99.5) - known.percentile(0.5)) / min(context.volume.spacing)

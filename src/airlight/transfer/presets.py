@@ -43,10 +43,10 @@ PRESETS: dict[str, Preset] = {
     "ct_soft_tissue": Preset(
         "muscles and organs, fat left out",
         (
-            (-20, "#8c3226", 0.0),
-            (30, "#a8453a", 0.12),
-            (80, "#c4665a", 0.3),
-            (180, "#e0a080", 0.45),
+            (-20, "#b05444", 0.0),
+            (30, "#c4685a", 0.12),
+            (80, "#d88c7c", 0.3),
+            (180, "#e8b498", 0.45),
             (400, "#efdfc0", 0.9),
             (1200, "#ffffff", 1.5),
         ),
@@ -80,8 +80,8 @@ PRESETS: dict[str, Preset] = {
     "mri": Preset(
         "the head or body as a whole",
         (
-            (0.12, "#8a5c48", 0.0),
-            (0.2, "#c89478", 40.0),
+            (0.16, "#a87458", 0.0),
+            (0.26, "#d0a084", 60.0),
             (0.45, "#e2bda2", 120.0),
             (0.7, "#f0dccb", 160.0),
             (1.0, "#ffffff", 200.0),
@@ -145,9 +145,7 @@ def get(name: str, volume: Volume, channel: int | str = 0, time: int = 0) -> Tra
     if high <= low:
         low, high = known.minimum, max(known.maximum, known.minimum + 1)
     extent = max(n * s for n, s in zip(volume.size, volume.spacing, strict=True))
-    return TransferFunction(
-        [(low + share * (high - low), colour, depth / extent) for share, colour, depth in preset.points]
-    )
+    return TransferFunction([(low + share * (high - low), colour, depth / extent) for share, colour, depth in preset.points])
 
 
 def _preset(name: str) -> Preset:

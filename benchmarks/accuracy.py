@@ -1,0 +1,146 @@
+"""How far the device's images are from the float64 reference; not a matter of time.
+
+At steps of 1/8 voxel, perspective and orthographic, on the CT head and on an analytic field: unshaded at most 1/255 anywhere
+from the converged reference; shaded a root mean square error of at most 0.0025 from the converged one, and at most 1/255
+anywhere from the reference with the same steps and stages. Compared are linear, premultiplied colours and opacity of pixels
+drawn by lot among those that show something.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from common import arguments, bone, cropped, errors, head, machine, real_volume, table, write_json
+
+import airlight as al
+from airlight import reference
+
+STEP = 1 / 8
+ANYWHERE = 1 / 255
+SHADED_RMSE = 0.0025
+LIGHTS = (al.Light.head(intensity=0.7), al.Light.directional(to_light=(1, -1, 1), color=(1, 0.9, 0.8), intensity=0.5))
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Compare, print, write; 1 when a bar is missed."""
+    parser = arguments(__doc__, "accuracy")
+    parser.add_argument("--pixels", type=int, default=2000, help="pixels of each picture that are compared (default: 2000)")
+    parser.add_argument("--size", type=int, default=256, help="width and height of the picture (default: 256)")
+    parser.add_argument("--only", default="", help="only the cases whose name contains this")
+    options = parser.parse_args(argv)
+    if options.quick:
+        options.pixels, options.size = 60, 48
+    started, rows = time.time(), []
+    with al.Renderer() as renderer:
+        for name, scene in cases(options.quick):
+            if options.only in name:
+                row = compare(renderer, scene, (options.size, options.size), options.pixels)
+                rows.append({"case": name} | row)
+                print(line(rows[-1]), flush=True)
+        adapter = row["stats"]["adapter"] if rows else None
+    for row in rows:
+        row.pop("stats")
+    columns = ("case", "to converged: max*255", "rmse", "to same steps: max*255", "passes")
+    shown = [
+        dict(zip(columns, (r["case"], 255 * r["converged"]["max"], r["converged"]["rmse"], 255 * r["same"]["max"], r["passes"])))
+        for r in rows
+    ]
+    print("\n" + table(shown, columns))
+    passed = all(r["passes"] for r in rows)
+    print(f"\n{'PASS' if passed else 'FAIL'} in {time.time() - started:.0f} s")
+    bars = {"step": STEP, "unshaded_max": ANYWHERE, "shaded_rmse": SHADED_RMSE, "shaded_max_same_steps": ANYWHERE}
+    write_json(options.out, machine() | {"adapter": adapter, "quick": options.quick, "bars": bars, "cases": rows})
+    return 0 if passed or options.quick else 1
+
+
+def cases(quick: bool = False) -> Iterator[tuple[str, al.Scene]]:
+    """Scenes by name: volumes with functions, both kinds of cameras, lit or not, both transfer stages."""
+    ct = real_volume("ct_head")
+    field = al.samples.load("vortex", size=24 if quick else 64)
+    if quick:
+        ct = cropped(ct, 32)
+    drawn = {
+        "CT head, bone": (ct, bone()),
+        "CT head, skin and bone": (ct, head()),
+        "CT head, automatic": (ct, al.first_picture(ct).layers[0].transfer),
+        "vortex": (field, flow()),
+    }
+    for name, (volume, function) in drawn.items():
+        for kind, camera in cameras(volume).items():
+            for shade in ("none", al.shade.BlinnPhong()):
+                for transfer in ("preintegrated", "postclassified"):
+                    look = al.Look(transfer=transfer, shade=shade)
+                    scene = al.Scene(volume, transfer=function, camera=camera, look=look, lights=LIGHTS, background=None)
+                    yield f"{name}, {kind}, {'unshaded' if shade == 'none' else 'shaded'}, {transfer}", scene
+
+
+def flow() -> al.TransferFunction:
+    """Function of the speed of the vortex field."""
+    return al.TransferFunction(
+        [(0.2, (0.1, 0.2, 0.9), 0.6), (1.2, (0.1, 0.7, 0.5), 0.0), (2.2, (0.9, 0.8, 0.2), 0.2), (3.4, (1, 0.3, 0.1), 4.0)]
+    )
+
+
+def cameras(volume: al.Volume) -> dict[str, al.Camera]:
+    """Return a perspective camera and an orthographic one in its place."""
+    near = al.fit_camera("iso", volume.corners_world(), 1.0)
+    distance = float(np.linalg.norm(np.subtract(near.target, near.eye)))
+    height = 2 * distance * float(np.tan(np.radians(near.fov_deg) / 2))
+    return {
+        "perspective": near,
+        "orthographic": al.Camera.orthographic(eye=near.eye, target=near.target, up=near.up, height=height),
+    }
+
+
+def compare(renderer: al.Renderer, scene: al.Scene, size: tuple[int, int], count: int) -> dict[str, Any]:
+    """Errors of one scene, and whether they are within the bars."""
+    image = renderer.render(scene, size, step=STEP)
+    pixels = chosen_pixels(image, count)
+    drawn = image.rgba[pixels[:, 1], pixels[:, 0]]
+    same = reference.render(scene, size, step=STEP, pixels=pixels).rgba
+    converged = reference.converged(scene, size, pixels=pixels, step=STEP / 2).rgba
+    shaded = scene.layers[0].look.shade.name != "none"
+    to_same, to_converged = errors(drawn, same), errors(drawn, converged)
+    if shaded:
+        passes = to_converged["rmse"] <= SHADED_RMSE and to_same["max"] <= ANYWHERE
+    else:
+        passes = to_converged["max"] <= ANYWHERE
+    return {
+        "shaded": shaded,
+        "pixels": len(pixels),
+        "same": to_same | worst(drawn, same, pixels),
+        "converged": to_converged | worst(drawn, converged, pixels),
+        "reference_same_to_converged": errors(same, converged),
+        "passes": passes,
+        "stats": image.stats,
+    }
+
+
+def chosen_pixels(image: al.Image, count: int) -> np.ndarray[Any, Any]:
+    """Pixels (n, 2), x and y, drawn by lot among those that show something."""
+    y, x = np.nonzero(image.rgba[..., 3] > 0)
+    taken = np.random.default_rng(7).permutation(len(x))[:count]
+    return np.stack([x[taken], y[taken]], axis=1)
+
+
+def worst(drawn: Any, truth: Any, pixels: np.ndarray[Any, Any]) -> dict[str, Any]:
+    """Where the greatest error lies, and which share of the pixels misses 1/255."""
+    error = np.abs(drawn - truth).max(axis=1)
+    return {"worst_pixel": pixels[int(error.argmax())].tolist(), "share_above": float((error > ANYWHERE).mean())}
+
+
+def line(row: dict[str, Any]) -> str:
+    """One case on a line."""
+    found, same = row["converged"], row["same"]
+    return (
+        f"{'PASS' if row['passes'] else 'FAIL'}  {row['case']}: converged max {255 * found['max']:.3f}/255 "
+        f"rmse {found['rmse']:.5f}, same steps max {255 * same['max']:.3f}/255 rmse {same['rmse']:.5f} at {same['worst_pixel']}"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

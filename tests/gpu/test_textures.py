@@ -1,0 +1,67 @@
+"""Formats: chosen by type, range and adapter; what they cost is known."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from airlight.gpu.textures import choose_encoding, encode
+
+
+def device(kind="discrete", unorm16=True, float32=True):
+    features = frozenset({"texture-format16bit-norm"} if unorm16 else ())
+    return SimpleNamespace(info=SimpleNamespace(kind=kind), features=features, traits=SimpleNamespace(filters_float32=float32))
+
+
+@pytest.mark.parametrize(
+    ("dtype", "where", "expected"),
+    [
+        ("u1", device(), "r8unorm"),
+        ("u1", device("software"), "r16float"),
+        ("i2", device(), "r16unorm"),
+        ("i2", device(unorm16=False), "r32float"),
+        ("i2", device(unorm16=False, float32=False), "r16float"),
+        ("f2", device(), "r16float"),
+        ("f4", device(), "r32float"),
+        ("f4", device(float32=False), "r16float"),
+    ],
+)
+def test_choice(dtype, where, expected):
+    assert choose_encoding(np.dtype(dtype), 0, 200, filtered=True, device=where).format == expected
+
+
+def test_what_is_not_filtered_keeps_full_floats():
+    where = device(unorm16=False, float32=False)
+    assert choose_encoding(np.dtype("f4"), 0, 1, filtered=False, device=where).format == "r32float"
+
+
+DEVICES = st.builds(device, st.sampled_from(["software", "discrete"]), st.booleans(), st.booleans())
+DTYPES = st.sampled_from(["?", "u1", "i1", "u2", "i2", "u4", "i4", "f2", "f4", "f8"])
+
+
+@given(data=st.data(), where=DEVICES, dtype=DTYPES, filtered=st.booleans())
+def test_decoded_texels_are_the_samples_within_the_error(data, where, dtype, filtered):
+    kind = np.dtype(dtype)
+    elements = st.floats(-1000, 1000, width=16 if dtype == "f2" else 32) if kind.kind == "f" else None
+    samples = data.draw(hnp.arrays(kind, (2, 3, 4), elements=elements))
+    low, high = float(samples.min()), float(samples.max())
+    encoding = choose_encoding(kind, low, high, filtered=filtered, device=where)
+    texels = encode(samples, encoding)
+    unorm = {"r8unorm": 255.0, "r16unorm": 65535.0}.get(encoding.format, 1.0)
+    decoded = texels.astype(np.float64) / unorm * encoding.scale + encoding.offset
+    error = np.abs(decoded - samples.astype(np.float64)).max()
+    assert error <= encoding.error + 1e-9 * max(abs(low), abs(high))
+
+
+def test_ct_as_half_floats_keeps_every_level():
+    """4,096 levels, centred: whole numbers up to 2048 are exact in half floats."""
+    samples = np.arange(-1024, 3072, dtype=np.int16).reshape(1, 1, -1)
+    where = device(unorm16=False, float32=False)
+    encoding = choose_encoding(samples.dtype, -1024, 3071, filtered=True, device=where)
+    assert encoding.error == 0
+    assert np.array_equal(encode(samples, encoding).astype(np.float64) + encoding.offset, samples)
