@@ -1,6 +1,6 @@
 """Render a real volume with a look of one's own and save it: the picture at the top of the README.
 
-You should see a fly from its right side: flight muscles and eyes shaded in amber, wings and legs as a thin blue veil.
+You should see a fly from the side: flight muscles and eyes shaded in amber, wings and legs as a thin blue veil.
 The volume is fetched by pip the first time (10 MB, micro-CT, MIT licence) and kept in a cache.
 
 Usage: python fly.py [OUTPUT] [WIDTH HEIGHT]

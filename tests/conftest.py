@@ -52,9 +52,13 @@ def core_renderer():
         with al.Renderer() as made:
             made.warm_up()
             made._thread.submit(lambda job: None).result()
+            _restore(before)
             yield made
     finally:
-        if before is None:
-            os.environ.pop("AIRLIGHT_CORE", None)
-        else:
-            os.environ["AIRLIGHT_CORE"] = before
+        _restore(before)
+
+
+def _restore(core: str | None) -> None:
+    os.environ.pop("AIRLIGHT_CORE", None)
+    if core is not None:
+        os.environ["AIRLIGHT_CORE"] = core

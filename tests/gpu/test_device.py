@@ -132,7 +132,7 @@ def test_volumes_and_tables_leave_the_device_with_their_owners(own_renderer):
 
 
 def test_uploads_come_in_chunks_with_progress(own_renderer, monkeypatch):
-    monkeypatch.setattr(textures, "CHUNK_BYTES", 8 * 8 * 4 * 2)
+    monkeypatch.setattr(textures, "CHUNK_BYTES", 8 * 8 * 2 * 4)
     told = []
     own_renderer.render(small(9), (8, 8), progress=lambda *what: told.append(what))
     assert [t for t in told if t[0] == "upload"] == [("upload", z, 8) for z in (2, 4, 6, 8)]

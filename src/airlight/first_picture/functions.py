@@ -13,7 +13,10 @@ from .survey import Survey
 
 Point = tuple[float, tuple[float, float, float] | str, float]
 
-SOLID_PER_VOXEL = 1.4
+SOLID_PER_VOXEL = 3.0
+"""Optical depth of a voxel of what is opaque: less lets the light of deeper samples through, and rings show."""
+LABEL_PER_VOXEL = 1.0
+"""Less, since the slab before a label's surface has the colour of the mean of two labels."""
 NARROWEST = 1 / 30
 """Least width of a segment as a share of the function's domain: tables for light along slabs grow with narrow ones."""
 
@@ -37,7 +40,7 @@ def chosen_function(volume: Volume, found: Survey) -> TransferFunction:
     if found.kind == "mask":
         return _mask(found, solid)
     if found.kind == "labels":
-        return _labels(found, 0.7 * solid)
+        return _labels(found, LABEL_PER_VOXEL / min(volume.spacing))
     if found.kind == "ct":
         return _ct(found, spacing)
     if found.kind == "signed":
@@ -57,9 +60,7 @@ def _mask(found: Survey, solid: float) -> TransferFunction:
     # The surface lies halfway between the two values; wide enough for a small table, narrow enough to be a surface.
     width = (high - low) * 0.1
     middle = (high + low) / 2
-    return TransferFunction(
-        [(middle - width, STONE[1], 0.0), (middle + width, STONE[2], 1.5 * solid), (high, STONE[2], 1.5 * solid)]
-    )
+    return TransferFunction([(middle - width, STONE[1], 0.0), (middle + width, STONE[2], solid), (high, STONE[2], solid)])
 
 
 def _labels(found: Survey, solid: float) -> TransferFunction:
@@ -87,7 +88,7 @@ def _ct(found: Survey, spacing: float) -> TransferFunction:
         return _ct_without_bone(spacing)
     # Skin is crossed within a voxel or two whatever their size: its opacity is that of a voxel, not of a millimetre.
     skin = 0.15 / spacing
-    solid = 1.2 / spacing
+    solid = 0.8 * SOLID_PER_VOXEL / spacing
     return TransferFunction(
         [
             (-560, SKIN, 0.0),

@@ -195,7 +195,9 @@ def _scalar(found: Survey, modality: str) -> Survey:
         noise_top = min(noise_top, float(np.percentile(values, 99)))
         begin = max(noise_top, (min(otsu, float(np.percentile(values, 97))) + background) / 2)
         return _changed(found, kind="cloud", background=background, noise_top=noise_top, begin=begin)
-    begin = min(valley, (background + peaks[0]) / 2)
+    # Halfway to the material lies its border, unless the valley is nearer: something thin may not reach the whole value.
+    half = (background + peaks[0]) / 2
+    begin = (min(valley, half) + half) / 2
     begin = float(np.clip(begin, noise_top, (noise_top + 2 * peaks[0]) / 3))
     return _changed(found, kind="object", background=background, noise_top=noise_top, begin=begin, peaks=peaks)
 

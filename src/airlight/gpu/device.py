@@ -18,6 +18,31 @@ from ..shader.program import Traits
 KINDS = {"DiscreteGPU": "discrete", "IntegratedGPU": "integrated", "CPU": "software"}
 PREFERENCE = ("discrete", "integrated", "other", "software")
 FEATURES = ("float32-filterable", "texture-format16bit-norm")
+# Limits that every WebGPU device has (W3C WebGPU, section 3.6.2).
+CORE_LIMITS = {
+    "max-texture-dimension-1d": 8192,
+    "max-texture-dimension-2d": 8192,
+    "max-texture-dimension-3d": 2048,
+    "max-texture-array-layers": 256,
+    "max-bind-groups": 4,
+    "max-bindings-per-bind-group": 1000,
+    "max-dynamic-uniform-buffers-per-pipeline-layout": 8,
+    "max-dynamic-storage-buffers-per-pipeline-layout": 4,
+    "max-sampled-textures-per-shader-stage": 16,
+    "max-samplers-per-shader-stage": 16,
+    "max-storage-buffers-per-shader-stage": 8,
+    "max-storage-textures-per-shader-stage": 4,
+    "max-uniform-buffers-per-shader-stage": 12,
+    "max-uniform-buffer-binding-size": 65536,
+    "max-storage-buffer-binding-size": 128 << 20,
+    "max-buffer-size": 256 << 20,
+    "max-compute-workgroup-storage-size": 16384,
+    "max-compute-invocations-per-workgroup": 256,
+    "max-compute-workgroup-size-x": 256,
+    "max-compute-workgroup-size-y": 256,
+    "max-compute-workgroup-size-z": 64,
+    "max-compute-workgroups-per-dimension": 65535,
+}
 NO_ADAPTER = "install a driver; on Debian and Ubuntu without a GPU: apt-get install mesa-vulkan-drivers (software Vulkan)"
 
 
@@ -39,7 +64,7 @@ class Device:
     def __init__(self, adapter: Any, info: DeviceInfo, core: bool) -> None:
         self.info = info
         features = [] if core else [f for f in FEATURES if f in adapter.features]
-        limits = {} if core else {k: v for k, v in adapter.limits.items() if k.startswith(("max-", "min-"))}
+        limits = CORE_LIMITS if core else {k: v for k, v in adapter.limits.items() if k.startswith(("max-", "min-"))}
         try:
             self.gpu: Any = adapter.request_device_sync(required_features=features, required_limits=limits)
         except Exception as error:

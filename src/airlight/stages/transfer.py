@@ -13,6 +13,9 @@ from ..transfer import TransferFunction
 from ..transfer.tables import LENGTHS, function_table, slab_table
 
 
+Vec4 = tuple[float, float, float, float]
+
+
 @dataclass(frozen=True)
 class FunctionUniforms:
     """Where the axes of the tables lie, and at which slab length the table of slabs was made."""
@@ -22,8 +25,8 @@ class FunctionUniforms:
     per_value: F32 = param(1.0, unit="1/data")
     function_entries: U32 = param(2)
     slab_entries: U32 = param(2)
-    empty_below: F32 = param(0.0, unit="data")
-    empty_above: F32 = param(0.0, unit="data")
+    empty_low: Vec4f = param((3e38, 3e38, 3e38, 3e38), unit="data")
+    empty_high: Vec4f = param((-3e38, -3e38, -3e38, -3e38), unit="data")
     first_medium: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
     last_medium: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
     slab_lengths: U32 = param(2)
@@ -41,13 +44,14 @@ class Transfer(Stage):
         """Return the axes of the tables."""
         tf = context.transfer
         function = function_table(tf)
+        low, high = _widest(tf.empty_stretches)
         return FunctionUniforms(
             first_value=function.first_value,
             last_value=function.last_value,
             per_value=1.0 / (function.last_value - function.first_value),
             function_entries=function.entries,
-            empty_below=max(tf.empty_ends[0], -3e38),
-            empty_above=min(tf.empty_ends[1], 3e38),
+            empty_low=low,
+            empty_high=high,
             first_medium=_source_and_extinction(tf, tf.domain[0], before=True),
             last_medium=_source_and_extinction(tf, tf.domain[1]),
             associated=tf.associated,
@@ -56,6 +60,14 @@ class Transfer(Stage):
     def resources(self, context: Context) -> Mapping[str, Resource]:
         """Return the table of the function."""
         return {"function": Table(function_table(context.transfer).texels)}
+
+
+def _widest(stretches: tuple[tuple[float, float], ...]) -> tuple[Vec4, Vec4]:
+    """Low and high ends of the four widest stretches; what is left out is drawn like everything else."""
+    widest = sorted(stretches, key=lambda s: s[0] - s[1])[:4]
+    ends = [(max(low, -3e38), min(high, 3e38)) for low, high in widest] + [(3e38, -3e38)] * (4 - len(widest))
+    (a, b, c, d), (e, f, g, h) = zip(*ends, strict=True)
+    return (a, b, c, d), (e, f, g, h)
 
 
 def _source_and_extinction(function: TransferFunction, value: float, before: bool = False) -> tuple[float, float, float, float]:

@@ -80,15 +80,24 @@ class TransferFunction:
         return float(self.values[last - 1] + share * (self.values[last] - self.values[last - 1]))
 
     @cached_property
-    def empty_ends(self) -> tuple[float, float]:
-        """Values at and below which, and at and above which, extinction and source are zero; infinite where there are none."""
+    def empty_stretches(self) -> tuple[tuple[float, float], ...]:
+        """Closed intervals of values, ends included, on which extinction and source are zero; they may reach to infinity."""
         full = (self.extinctions > 0) | (self.associated & (self.colours > 0).any(axis=1))
-        if not full.any():
-            return np.inf, -np.inf
-        first, last = int(np.argmax(full)), len(full) - 1 - int(np.argmax(full[::-1]))
-        below = -np.inf if first == 0 else float(self.values[first - 1])
-        above = np.inf if last == len(full) - 1 else float(self.values[last + 1])
-        return below, above
+        # A segment is empty where both its ends are; a stretch is a run of empty points, and infinite beyond the ends.
+        found: list[tuple[float, float]] = []
+        low: float | None = -np.inf
+        last = -np.inf
+        for value, is_full in zip(self.values, full, strict=True):
+            if is_full:
+                if low is not None and last > low:
+                    found.append((low, last))
+                low = None
+            elif low is None:
+                low = float(value)
+            last = float(value)
+        if low is not None:
+            found.append((low, np.inf))
+        return tuple(found)
 
     def __call__(self, values: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Colour (..., 3) and extinction (...) at values (...), float64."""

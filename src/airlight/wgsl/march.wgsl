@@ -28,18 +28,19 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 }
 
 fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
-  let span = domain_span(ray);
+  let index_ray = ray_in_index(ray);
+  let span = domain_span(index_ray);
   if (span.y <= span.x) { return Result(vec3f(0.0), 0.0, INFINITE); }
   let h = frame.step_world;
   var acc = begin();
-  var front = fetch(ray, span.x);
+  var front = fetch(ray, index_ray, span.x);
   var k = floor(span.x / h - offset) + 1.0;
   *samples = 1.0;
   loop {
     // Walk on to the next slab that holds something. A loop of its own: wide processors run the rest for all rays at once.
     var next: Sample;
     loop {
-      next = fetch(ray, min((k + offset) * h, span.y));
+      next = fetch(ray, index_ray, min((k + offset) * h, span.y));
       *samples += 1.0;
       k += 1.0;
       if (!SKIPS_EMPTY || next.t_world >= span.y || !empty_slab(front, next)) { break; }
@@ -61,7 +62,7 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
     }
     let share = surface(front, back);
     if (share <= 1.0) {
-      take_surface(&acc, ray, front, back, share);
+      take_surface(&acc, ray, index_ray, front, back, share);
       break;
     }
     let slab = classify(front, back, length);
@@ -81,24 +82,36 @@ fn select_sample(one: Sample, other: Sample, takes_other: bool) -> Sample {
 }
 
 // A surface inside a slab: the sample there, as a slab without length.
-fn take_surface(acc: ptr<function, Accumulated>, ray: Ray, front: Sample, back: Sample, share: f32) {
-  var hit = fetch(ray, mix(front.t_world, back.t_world, share));
+fn take_surface(
+  acc: ptr<function, Accumulated>, ray: Ray, index_ray: IndexRay, front: Sample, back: Sample, share: f32,
+) {
+  var hit = fetch(ray, index_ray, mix(front.t_world, back.t_world, share));
   hit.value = mix(front.value, back.value, share);
   let rgb = medium(hit).rgb;
   let slab = Slab(rgb, 1.0, vec3f(0.0), 0.0, 1.0);
   take(acc, hit, hit, slab, light_slab(hit, hit, slab, ray), 0.0);
 }
 
-fn fetch(ray: Ray, t_world: f32) -> Sample {
+// The same ray in index coordinates, still measured in world units.
+struct IndexRay { origin_index: vec3f, direction_index: vec3f }
+
+fn ray_in_index(ray: Ray) -> IndexRay {
+  return IndexRay(
+    (layer.index_from_world * vec4f(ray.origin_world, 1.0)).xyz,
+    (layer.index_from_world * vec4f(ray.direction_world, 0.0)).xyz,
+  );
+}
+
+fn fetch(ray: Ray, index_ray: IndexRay, t_world: f32) -> Sample {
   let p_world = ray.origin_world + t_world * ray.direction_world;
-  let p_index = (layer.index_from_world * vec4f(p_world, 1.0)).xyz;
+  let p_index = index_ray.origin_index + t_world * index_ray.direction_index;
   return Sample(field_value(locate(p_index)), vec3f(0.0), p_index, p_world, t_world);
 }
 
 // Where the ray enters and leaves the domain, not before the eye [world].
-fn domain_span(ray: Ray) -> vec2f {
-  let origin = (layer.index_from_world * vec4f(ray.origin_world, 1.0)).xyz;
-  let direction = (layer.index_from_world * vec4f(ray.direction_world, 0.0)).xyz;
+fn domain_span(ray: IndexRay) -> vec2f {
+  let origin = ray.origin_index;
+  let direction = ray.direction_index;
   // A ray along a face has no direction across it: it is outside, or it is held by the other faces.
   let across = abs(direction) < vec3f(1e-12);
   let outside = across & ((origin < layer.domain_low) | (origin > layer.domain_high));

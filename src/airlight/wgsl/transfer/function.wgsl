@@ -13,9 +13,11 @@ fn function_at(value: f32) -> Medium {
   return Medium(texel.rgb, texel.a);
 }
 
-// Whether the function holds nothing between two values, because both lie on its empty first or last stretch.
+// Whether both values lie on one of the (at most four) stretches on which the function holds nothing.
 fn is_empty_between(s_front: f32, s_back: f32) -> bool {
-  return max(s_front, s_back) <= params.empty_below || min(s_front, s_back) >= params.empty_above;
+  let low = vec4f(min(s_front, s_back));
+  let high = vec4f(max(s_front, s_back));
+  return any((low >= params.empty_low) & (high <= params.empty_high));
 }
 
 // Source term [1/world] of a medium.
