@@ -29,11 +29,8 @@ FILES = {"ct_head": "ct_head.nrrd", "ch2": "ch2.nii.gz", "engine": "engine.nii.g
 def arguments(description: str | None, name: str, repeats: int | None = None) -> argparse.ArgumentParser:
     """Return a parser with the options that all benchmarks have."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, default=ROOT / "out" / f"{name}.json", help="JSON file; out/%(prog)s.json unless told")
-    parser.set_defaults(name=name)
-    for action in parser._actions:
-        if action.dest == "out":
-            action.help = f"JSON file with all numbers (default: out/{name}.json)"
+    target = ROOT / "out" / f"{name}.json"
+    parser.add_argument("--out", type=Path, default=target, help=f"JSON file with all numbers (default: out/{name}.json)")
     parser.add_argument("--quick", action="store_true", help="tiny sizes: shows that it works, its numbers mean nothing")
     if repeats is not None:
         parser.add_argument("--repeats", type=int, default=repeats, help="counted runs of each (default: %(default)s)")
@@ -172,7 +169,8 @@ def real_volume(name: str, voxels: int = 96) -> al.Volume:
     path = real_path(name)
     if path is not None:
         return al.open(path)
-    print(f"{FILES[name]} is not there (AIRLIGHT_DATA names the folder of real volumes); a computed one is used", file=sys.stderr)
+    where = "AIRLIGHT_DATA names the folder of real volumes"
+    print(f"{FILES[name]} is not there ({where}); a computed volume stands in", file=sys.stderr)
     return stand_in(voxels)
 
 
@@ -192,7 +190,8 @@ def cropped(volume: al.Volume, size: int) -> al.Volume:
     part = volume.array[tuple(slice(a, a + min(n, size)) for a, n in zip(starts, volume.array.shape, strict=True))]
     matrix = volume.world_from_index.copy()
     matrix[:3, 3] = (volume.world_from_index @ [*starts[::-1], 1])[:3]
-    return al.Volume(np.ascontiguousarray(part), world_from_index=matrix, units=volume.units, name=f"{volume.name} (cropped)")
+    about = {"units": volume.units, "modality": volume.modality, "anatomical": volume.anatomical}
+    return al.Volume(np.ascontiguousarray(part), world_from_index=matrix, name=f"{volume.name} (cropped)", **about)
 
 
 def noisy_cloud(voxels: int = 256, seed: int = 1) -> al.Volume:

@@ -56,7 +56,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--size", type=int, default=512, help="width and height of the picture (default: 512)")
     parser.add_argument("--step", type=float, default=0.5, help="distance of samples in voxels (default: 0.5)")
     parser.add_argument("--device", default=None, help="adapter, by number, kind or part of its name")
-    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall", help="what decides; cpu for a busy software adapter")
+    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall", help="what decides: cpu where others are busy")
     options = parser.parse_args(argv)
     if options.quick:
         options.size, options.repeats = 48, 1

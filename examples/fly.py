@@ -22,7 +22,7 @@ FUNCTION = al.TransferFunction(
         (220, "#fff2d8", 2.0),
     ]
 )
-CAMERA = al.Camera.perspective(eye=(352, -235, -80), target=(131, 112, 88), up=(0, 0, -1), fov_deg=25)
+CAMERA = al.Camera.perspective(eye=(352, -235, -86), target=(131, 112, 80), up=(0, 0, -1), fov_deg=25)
 LIGHTS = [
     al.Light.directional(to_light=(-0.5, -0.6, -0.9), color=(1, 0.95, 0.85), intensity=1.1),
     al.Light.directional(to_light=(1, 0.3, 0.4), color=(0.45, 0.6, 1), intensity=0.6),

@@ -8,7 +8,7 @@ import numpy as np
 import airlight as al
 from airlight import reference
 from airlight.reference.setup import Lit
-from airlight.stage import F32
+from airlight.stage import F32, param
 
 
 @al.register
@@ -17,7 +17,7 @@ class Rim(al.shade.Shade):
     """Light where the surface turns away from the eye."""
 
     name: ClassVar[str] = "rim"
-    power: F32 = al.param(2.0, above=0, up_to=100, help="larger means thinner edges")
+    power: F32 = param(2.0, above=0, up_to=100, help="larger means thinner edges")
     wgsl: ClassVar[str] = """
 import generated::rim::params;
 import package::sample::{Sample, Lit};

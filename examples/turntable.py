@@ -1,7 +1,7 @@
 """Eight pictures round a volume with one renderer, which keeps the device, the uploaded volume and the compiled program.
 
-You should see eight files, turn-0.png to turn-7.png: an orbital (blue and orange lobes) turned by 45 degrees from each to the next.
-The first frame takes longest.
+You should see eight files, turn-0.png to turn-7.png: an orbital, blue and orange, turned by 45 degrees from each
+to the next. The first frame takes longest.
 
 Usage: python turntable.py [FOLDER] [WIDTH HEIGHT]
 """

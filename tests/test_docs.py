@@ -71,7 +71,8 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ball = np.maximum(0, 1 - (axis[:, None, None] ** 2 + axis[None, :, None] ** 2 + axis[None, None, :] ** 2))
     head = al.Volume((ball * 900).astype(np.int16), spacing=(2, 2, 2), units="mm", anatomical=True, modality="MR")
     al.save(head, folder / "head.nii.gz")
-    al.save(al.Volume((ball * 2400 - 1000).astype(np.int16), spacing=(2, 2, 2), units="mm", value_unit="HU"), folder / "ct.nrrd")
+    ct = al.Volume((ball * 2400 - 1000).astype(np.int16), spacing=(2, 2, 2), units="mm", value_unit="HU")
+    al.save(ct, folder / "ct.nrrd")
     (ball * 255).astype(np.uint8).tofile(folder / "foot.raw")
     cells = np.stack([ball, ball[::-1] ** 2], axis=1)
     tifffile.imwrite(folder / "cells.ome.tif", (cells * 255).astype(np.uint8), metadata={"axes": "ZCYX"})
@@ -105,7 +106,7 @@ def plain_stages() -> Iterator[None]:
 
 
 @pytest.mark.parametrize("page", WRITTEN, ids=named)
-def test_blocks_run_in_order(page: Path, here: Path, plain_stages: None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_blocks_run_in_order(page: Path, here: Path, plain_stages: None, capsysbinary: pytest.CaptureFixture[bytes]) -> None:
     module = ModuleType("docs_page")
     sys.modules["docs_page"] = module  # dataclasses look their module up
     for block in blocks(page):
@@ -115,7 +116,7 @@ def test_blocks_run_in_order(page: Path, here: Path, plain_stages: None, capsys:
                 exec(code, module.__dict__)
         elif block.kind == "toml":
             (here / "scene.toml").write_text(block.text)
-            assert cli.main(["render", "scene.toml", "-o", "scene.png"]) == 0, capsys.readouterr().err
+            assert cli.main(["render", "scene.toml", "-o", "scene.png"]) == 0, capsysbinary.readouterr().err
         elif block.kind == "sh":
             for words in commands(block):
                 if words[0] in PARSED_ONLY:
@@ -123,7 +124,7 @@ def test_blocks_run_in_order(page: Path, here: Path, plain_stages: None, capsys:
                     continue
                 STAGES["shade"].pop("rim", None)  # a process of its own would not know it yet
                 sys.modules.pop("airlight_plugin_own_stage", None)
-                assert cli.main(words) == 0, f"{shlex.join(words)}: {capsys.readouterr().err}"
+                assert cli.main(words) == 0, f"{shlex.join(words)}: {capsysbinary.readouterr().err!r}"
 
 
 @pytest.mark.parametrize("page", WRITTEN, ids=named)
@@ -204,6 +205,13 @@ def test_extras_that_pages_name_exist() -> None:
             assert set(named_extras.split(",")) <= set(extras), named(page)
 
 
+def test_make_targets_that_pages_name_exist() -> None:
+    targets = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    for page in WRITTEN:
+        told = re.findall(r"^make (\w+)|`make (\w+)`", page.read_text(encoding="utf-8"), re.MULTILINE)
+        assert {a or b for a, b in told} <= targets, named(page)
+
+
 def test_decisions_have_their_parts() -> None:
     pages = sorted((DOCS / "decisions").glob("[0-9]*.md"))
     assert [int(page.name[:4]) for page in pages] == list(range(1, len(pages) + 1))
@@ -262,8 +270,7 @@ def test_fly(tmp_path: Path, plain_stages: None) -> None:
     assert 0.1 < covered < 0.6
 
 
-def test_turntable(tmp_path: Path, plain_stages: None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_turntable(tmp_path: Path, plain_stages: None) -> None:
     images = example(ROOT / "examples" / "turntable.py").main(str(tmp_path), 48, 36)
     assert len(list(tmp_path.glob("turn-*.png"))) == len(images) == 8
-    # The orbital is round about z: a turn about it changes nothing but light and the grid's own steps.
     assert all((image.rgba[..., 3] > 0.1).any() for image in images)

@@ -84,7 +84,5 @@ def _allowed(field: dataclasses.Field[Any]) -> str:
     return allowed if unit in ("", "1") else f"{allowed}, {unit}"
 
 
-
-
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

@@ -14,6 +14,7 @@ from wgpu.backends.wgpu_native.extras import set_instance_extras
 
 from ..errors import DeviceError
 from ..shader.program import Traits
+from .quick_types import parse_types_quickly
 
 KINDS = {"DiscreteGPU": "discrete", "IntegratedGPU": "integrated", "CPU": "software"}
 PREFERENCE = ("discrete", "integrated", "other", "software")
@@ -118,6 +119,7 @@ def prepare_environment() -> None:
 def adapters() -> tuple[tuple[Any, DeviceInfo], ...]:
     """All adapters in wgpu's order. An instance with Vulkan alone starts three times as fast, so Linux tries it first."""
     prepare_environment()
+    parse_types_quickly()
     if sys.platform.startswith("linux"):
         set_instance_extras(backends=["Vulkan"])
     found = list(wgpu.gpu.enumerate_adapters_sync())

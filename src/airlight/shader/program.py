@@ -61,6 +61,7 @@ class LayerUniforms:
     value_scale: F32 = param(1.0, unit="data")
     value_offset: F32 = param(0.0, unit="data")
     gradient_scale: F32 = param(1.0, unit="data/world")
+    axes: U32 = param(3)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from .function import FloatArray, TransferFunction
 
 ENTRIES_PER_SEGMENT = 4
 FUNCTION_ENTRIES = (256, 4096)
-SLAB_ENTRIES = (128, 1024)
+SLAB_ENTRIES = (128, 512)
 GAUSS_NODES = 4
 LENGTHS = 4
 
@@ -67,12 +67,19 @@ def entries_needed(function: TransferFunction, least: int, most: int) -> int:
     return int(np.clip(1 << int(np.ceil(np.log2(max(wanted, 2)))), least, most))
 
 
+def _entry_values(first: float, last: float, n: int) -> FloatArray:
+    """Values of the entries; the first holds what lies before a step there, as do all values beyond it."""
+    values = np.linspace(first, last, n)
+    values[0] = np.nextafter(first, -np.inf)
+    return values
+
+
 @lru_cache(maxsize=16)
 def function_table(function: TransferFunction) -> ValueTable:
     """Colour and extinction at evenly spaced values: ``(1, 1, n, 4)`` of (r, g, b, extinction)."""
     first, last = value_axis(function)
     n = entries_needed(function, *FUNCTION_ENTRIES)
-    rgb, extinction = function(np.linspace(first, last, n))
+    rgb, extinction = function(_entry_values(first, last, n))
     texels = np.concatenate([rgb, extinction[:, None]], axis=1).astype(np.float32)[None, None]
     return ValueTable(texels, first, last)
 
@@ -103,7 +110,7 @@ def slab_table(function: TransferFunction, length: float, entries: int = 0) -> V
     n = entries or entries_needed(function, *SLAB_ENTRIES)
     texels = np.empty((LENGTHS, n, n, 4), dtype=np.float32)
     segments = _Segments.of(function, first, last, n)
-    _fill_means(texels, segments, function, np.linspace(first, last, n))
+    _fill_means(texels, segments, function, _entry_values(first, last, n))
     _fill_attenuated(texels, segments, length * np.arange(1, LENGTHS) / (LENGTHS - 1))
     return ValueTable(texels, first, last)
 

@@ -1,0 +1,186 @@
+"""Time and error side by side with VTK: same volume, camera, function, size and steps, drawn in turns.
+
+The same picture without light is compared with airlight's converged float64 reference. With light the models differ, so each
+renderer is compared with its own picture at 1/8 voxel, and so it is without light, too. Time without error is no figure.
+VTK draws 8 bits, so its errors have a floor near 0.3/255 RMSE. Needs VTK (dependency group ``bench``), no display.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from common import (
+    arguments,
+    bone,
+    brain,
+    cropped,
+    errors,
+    machine,
+    ratio,
+    real_volume,
+    side_by_side,
+    table,
+    write_json,
+)
+from vtk_side import MAPPERS, load_vtk, vtk_picture
+
+import airlight as al
+from airlight import reference
+
+STEPS = (2.0, 1.0, 0.5)
+CONVERGED_STEP = 1 / 8
+OURS = {"airlight, pre-integrated": "preintegrated", "airlight, post-classified": "postclassified"}
+ALIKE_RMSE = 0.02
+
+Draw = Callable[[float], np.ndarray[Any, Any]]
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Measure, print, write; 1 when pictures do not show the same thing."""
+    parser = arguments(__doc__, "against_vtk", repeats=5)
+    parser.add_argument("--size", type=int, default=512, help="width and height of the picture (default: 512)")
+    parser.add_argument("--pixels", type=int, default=4000, help="pixels compared with the reference (default: 4000)")
+    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall", help="what the table shows: cpu where others are busy")
+    parser.add_argument("--pictures", action="store_true", help="also write the pictures beside the JSON")
+    options = parser.parse_args(argv)
+    if options.quick:
+        options.size, options.repeats, options.pixels = 64, 1, 200
+    try:
+        load_vtk()
+    except ImportError:
+        print('VTK is not installed: pip install "vtk>=9.4" (dependency group bench)', file=sys.stderr)
+        return 2
+    rows: list[dict[str, Any]] = []
+    checks: list[dict[str, Any]] = []
+    with al.Renderer() as renderer:
+        for name, drawn in cases(options.quick).items():
+            found, check, adapter = compare(renderer, name, drawn, options)
+            rows += found
+            checks += check
+            print(table([shown(row, options.clock) for row in found]) + "\n", flush=True)
+    print("Do they show the same thing? Against airlight's picture at 1/8 voxel:\n")
+    print(table(checks))
+    alike = all(check["same view"] for check in checks)
+    results = {"quick": options.quick, "size": options.size, "clock": options.clock, "rows": rows, "checks": checks}
+    write_json(options.out, machine() | {"adapter": adapter} | results)
+    return 0 if alike or options.quick else 1
+
+
+def cases(quick: bool = False) -> dict[str, al.Scene]:
+    """Scenes by name, in a world without turns: spacing alone."""
+    found = {}
+    for name, function in (("ct_head", bone()), ("ch2", brain())):
+        volume = real_volume(name)
+        if quick:
+            volume = cropped(volume, 32)
+        volume = al.Volume(np.ascontiguousarray(volume.array), spacing=volume.spacing, units=volume.units, name=name)
+        camera = al.fit_camera("iso", volume.corners_world(), 1.0)
+        # VTK's head light shines along the view, airlight's along each ray.
+        to_light = tuple(np.subtract(camera.eye, camera.target))
+        lights = (al.Light.directional(to_light=to_light),)
+        for shade in ("none", "blinn_phong"):
+            look = al.Look(shade=shade)
+            scene = al.Scene(volume, transfer=function, camera=camera, look=look, lights=lights)
+            found[f"{name}, {'unshaded' if shade == 'none' else 'shaded'}"] = scene
+    return found
+
+
+def compare(renderer: al.Renderer, name: str, scene: al.Scene, options: Any) -> tuple[list[Any], list[Any], dict[str, str]]:
+    """Draw one scene with all renderers at all steps, in turns."""
+    size = (options.size, options.size)
+    pictures = {label: vtk_picture(scene, size, mapper) for label, mapper in MAPPERS.items()}
+    draws: dict[str, Draw] = {label: ours(renderer, scene, size, transfer) for label, transfer in OURS.items()}
+    draws |= {label: picture.draw for label, picture in pictures.items()}
+    converged = {label: draw(CONVERGED_STEP) for label, draw in draws.items()}
+    first = converged[next(iter(OURS))]
+    pixels, truth = None, None
+    if scene.layers[0].look.shade.name == "none":
+        pixels = some_pixels(first, options.pixels)
+        truth = reference.converged(scene, size, pixels=pixels).rgba[:, :3]
+    rows = []
+    for step in STEPS:
+        jobs = {label: (lambda draw=draw, step=step: draw(step)) for label, draw in draws.items()}
+        measured = side_by_side(jobs, options.repeats)
+        base = measured[next(iter(OURS))]
+        for label, run in measured.items():
+            row = {"scene": name, "renderer": label, "step": step} | run.summary()
+            row["own"] = errors(run.result, converged[label])
+            if pixels is not None:
+                row["reference"] = errors(run.result[pixels[:, 1], pixels[:, 0]], truth)
+            row["times_airlight"] = {"wall": ratio(run.wall, base.wall), "cpu": ratio(run.cpu, base.cpu)}
+            rows.append(row)
+    checks = [{"scene": name, "renderer": label} | view_check(converged[label], first) for label in MAPPERS]
+    if options.pictures:
+        save(converged, options.out.parent, name)
+    for picture in pictures.values():
+        picture.close()
+    return rows, checks, renderer.render(scene, (16, 16)).stats["adapter"]
+
+
+def ours(renderer: al.Renderer, scene: al.Scene, size: tuple[int, int], transfer: str) -> Draw:
+    """Return what draws the scene in airlight, linear colours over black."""
+    (layer,) = scene.layers
+    look = al.Look(transfer=transfer, shade=layer.look.shade)
+    staged = al.Scene(layer.volume, transfer=layer.transfer, camera=scene.camera, look=look, lights=scene.lights)
+    return lambda step: renderer.render(staged, size, step=step).rgb
+
+
+def some_pixels(picture: Any, count: int) -> Any:
+    """Pixels (n, 2), x and y, drawn by lot among those that show something."""
+    y, x = np.nonzero(picture.max(axis=-1) > 0.01)
+    taken = np.random.default_rng(7).permutation(len(x))[:count]
+    return np.stack([x[taken], y[taken]], axis=1)
+
+
+def view_check(picture: Any, first: Any) -> dict[str, Any]:
+    """Whether a picture is nearer to airlight's as it is than mirrored or shifted by half a pixel or more."""
+    picture, first = picture.astype(np.float64), first.astype(np.float64)
+    half = (first + np.roll(first, 1, axis=1)) / 2, (first + np.roll(first, 1, axis=0)) / 2
+    others = {
+        "mirrored left and right": first[:, ::-1],
+        "mirrored up and down": first[::-1],
+        "right by half a pixel": half[0],
+        "left by half a pixel": np.roll(half[0], -1, axis=1),
+        "down by half a pixel": half[1],
+        "up by half a pixel": np.roll(half[1], -1, axis=0),
+    }
+    here = errors(picture, first)
+    found = {name: errors(picture, other)["rmse"] for name, other in others.items()}
+    nearest = min(found, key=lambda name: found[name])
+    return {"rmse": here["rmse"], "max": here["max"], "next best": nearest, "its rmse": found[nearest]} | {
+        "same view": here["rmse"] < found[nearest]
+    }
+
+
+def shown(row: dict[str, Any], clock: str) -> dict[str, Any]:
+    """One row of the printed table."""
+    return {
+        "scene": row["scene"],
+        "renderer": row["renderer"],
+        "step": row["step"],
+        f"ms ({clock})": row[f"{clock}_ms"]["median"],
+        "least": row[f"{clock}_ms"]["min"],
+        "time / airlight's": row["times_airlight"][clock]["median"],
+        "rmse, own": row["own"]["rmse"],
+        "psnr, own": row["own"]["psnr_db"],
+        "rmse, reference": row.get("reference", {}).get("rmse"),
+        "psnr, reference": row.get("reference", {}).get("psnr_db"),
+    }
+
+
+def save(pictures: dict[str, Any], folder: Any, name: str) -> None:
+    """Write pictures as PNG files."""
+    from PIL import Image
+
+    from airlight.transfer.colour import linear_to_srgb
+
+    folder.mkdir(parents=True, exist_ok=True)
+    strip = np.concatenate([linear_to_srgb(np.clip(p, 0, 1)) for p in pictures.values()], axis=1)
+    Image.fromarray((255 * strip + 0.5).astype(np.uint8)).save(folder / f"against_vtk {name}.png")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
