@@ -1,4 +1,4 @@
-"""A shade stage of one's own: edges glow, faces that look at the eye stay dark. You should see outlines of an orbital."""
+"""A shade stage of one's own: edges glow, faces that look at the eye stay dark. You should see tubes of a flow as outlines."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -35,3 +35,6 @@ def rim(setup, sample, gradient, to_eye):
 
 
 reference.register("shade", "rim", rim)
+
+if __name__ == "__main__":
+    al.render(al.Scene(al.samples.load("vortex"), look=al.Look(shade=Rim()), camera="iso")).save("rim.png")

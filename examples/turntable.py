@@ -1,7 +1,7 @@
 """Eight pictures round a volume with one renderer, which keeps the device, the uploaded volume and the compiled program.
 
-You should see eight files, turn-0.png to turn-7.png: an orbital, blue and orange, turned by 45 degrees from each
-to the next. The first frame takes longest.
+You should see eight files, turn-0.png to turn-7.png: tubes of a flow that cross, turned by 45 degrees from each to
+the next. The first frame takes longest.
 
 Usage: python turntable.py [FOLDER] [WIDTH HEIGHT]
 """
@@ -18,7 +18,7 @@ FRAMES = 8
 
 
 def main(folder: str = ".", width: int = 480, height: int = 360) -> list[al.Image]:
-    scene = al.first_picture(al.samples.load("hydrogen"), (width, height))
+    scene = al.first_picture(al.samples.load("vortex"), (width, height))
     x, y, z = scene.camera.target
     distance = math.dist(scene.camera.eye, scene.camera.target)
     images = []

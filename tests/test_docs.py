@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import inspect
 import re
+import runpy
 import shlex
 import shutil
 import sys
@@ -274,3 +275,9 @@ def test_turntable(tmp_path: Path, plain_stages: None) -> None:
     images = example(ROOT / "examples" / "turntable.py").main(str(tmp_path), 48, 36)
     assert len(list(tmp_path.glob("turn-*.png"))) == len(images) == 8
     assert all((image.rgba[..., 3] > 0.1).any() for image in images)
+
+
+def test_own_stage_draws(tmp_path: Path, plain_stages: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(ROOT / "examples" / "own_stage.py"), run_name="__main__")
+    assert (tmp_path / "rim.png").stat().st_size > 1000

@@ -23,21 +23,27 @@ from .errors import (
 )
 from .first_picture import first_picture
 from .scene import Camera, Layer, Light, Look, Scene, fit_camera
-from .stage import Stage, param, register, static
+from .stage import F32, I32, U32, Bool, Stage, Vec2f, Vec3f, Vec4f, param, register, static
 from .stages import camera, driver, field, gradient, integrate, lighting, shade, tone, transfer, visibility
 from .transfer import TransferFunction
 from .volume import Volume, statistics
 
 if TYPE_CHECKING:
-    from . import samples
+    from . import reference, samples
     from .io import open, save
     from .rendering.image import Image
     from .rendering.renderer import Renderer
+    from .scene_file import load_scene, save_scene
+    from .transfer import presets
 
 __version__ = "0.1.0.dev0"
 
 __all__ = [
+    "F32",
+    "I32",
+    "U32",
     "AirlightError",
+    "Bool",
     "Camera",
     "DataError",
     "DeviceError",
@@ -55,6 +61,9 @@ __all__ = [
     "StageError",
     "TransferFunction",
     "ValueRangeError",
+    "Vec2f",
+    "Vec3f",
+    "Vec4f",
     "Volume",
     "camera",
     "devices",
@@ -67,12 +76,16 @@ __all__ = [
     "gradient",
     "integrate",
     "lighting",
+    "load_scene",
     "open",
     "param",
+    "presets",
+    "reference",
     "register",
     "render",
     "samples",
     "save",
+    "save_scene",
     "shade",
     "static",
     "statistics",
@@ -88,7 +101,11 @@ _LAZY = {
     "Renderer": ("airlight.rendering.renderer", "Renderer"),
     "open": ("airlight.io", "open"),
     "save": ("airlight.io", "save"),
+    "load_scene": ("airlight.scene_file", "load_scene"),
+    "presets": ("airlight.transfer.presets", ""),
+    "reference": ("airlight.reference", ""),
     "samples": ("airlight.samples", ""),
+    "save_scene": ("airlight.scene_file", "save_scene"),
 }
 
 

@@ -34,7 +34,7 @@ def render(
     Parameters
     ----------
     what
-        A ``Scene``; or a ``Volume``, an array, an image of nibabel, SimpleITK or xarray, or a path, which get a good first
+        A ``Scene``, or the path of a scene file (``.toml``, of which the scene is taken); or a ``Volume``, an array, an image of nibabel, SimpleITK or xarray, or a path, which get a good first
         picture: transfer function, view and lights chosen from the data.
     size
         Width and height in pixels.
@@ -78,6 +78,10 @@ def as_scene(what: Any, size: tuple[int, int] = (512, 512), progress: Progress |
     if isinstance(what, Scene):
         return what
     if isinstance(what, (str, os.PathLike)):
+        if os.fspath(what).endswith(".toml"):
+            from .scene_file import load_scene
+
+            return load_scene(what)[0]
         from . import io
 
         what = io.open(what, progress=progress)
@@ -85,11 +89,17 @@ def as_scene(what: Any, size: tuple[int, int] = (512, 512), progress: Progress |
     return first_picture(volume, size)
 
 
-def explain(what: Any, size: tuple[int, int] = (512, 512), *, driver: str | Stage = "march") -> str:
+def explain(
+    what: Any,
+    size: tuple[int, int] = (512, 512),
+    *,
+    driver: str | Stage = "march",
+    device: str | int | None = None,
+) -> str:
     """Return the linked program of a scene: where each part comes from, offsets of parameters, and the key of the cache."""
     from .rendering.renderer import shared
 
-    program = shared().explain(as_scene(what, size), size, driver)
+    program = shared(device).explain(as_scene(what, size), size, driver)
     return f"// key: {program.key}\n{program.linked.text}"
 
 

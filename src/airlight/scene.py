@@ -153,7 +153,7 @@ class Layer:
     look
         Stages and their parameters.
     labels
-        Label volume beside the image; drawn from the classification issue on.
+        Label volume beside the image; this version does not draw it and says so.
     visible
         Whether the layer is drawn.
     density

@@ -391,8 +391,8 @@ def _from_foreign(image: Any) -> _Foreign | None:
     if module == "nibabel":
         data = np.asanyarray(image.dataobj)
         data = data.reshape(data.shape[:3] + (1,) * (3 - data.ndim)) if data.ndim < 3 else data
-        units = {"meter": "m", "mm": "mm", "micron": "um"}.get(_nibabel_unit(image), "")
-        return _Foreign(np.asarray(data.T), LPS_FROM_RAS @ np.asarray(image.affine, dtype=np.float64), units, True)
+        to_mm = np.diag([{"meter": 1e3, "micron": 1e-3}.get(_nibabel_unit(image), 1.0)] * 3 + [1.0])
+        return _Foreign(np.asarray(data.T), to_mm @ LPS_FROM_RAS @ np.asarray(image.affine, dtype=np.float64), "mm", True)
     if module == "SimpleITK":
         import SimpleITK
 

@@ -99,7 +99,8 @@ def test_an_image_beyond_one_binding_is_drawn_in_bands(own_renderer, monkeypatch
     """The same picture, whatever part of it fits into a binding."""
     scene = small()
     whole = own_renderer.render(scene, (40, 30))
-    monkeypatch.setattr(type(own_renderer._device), "limits", {**own_renderer._device.limits, "max-storage-buffer-binding-size": 40 * 16 * 7})
+    few = own_renderer._device.limits | {"max-storage-buffer-binding-size": 40 * 16 * 7}
+    monkeypatch.setattr(type(own_renderer._device), "limits", few)
     for tone in ("linear", "reinhard"):
         parts = own_renderer.render(al.Scene(scene.layers[0].volume, transfer=TF, look=al.Look(tone=tone)), (40, 30))
         if tone == "linear":
@@ -149,6 +150,7 @@ def test_mesa_gets_a_private_folder_and_says_nothing():
 
 def test_importing_the_package_is_light():
     """Neither the device nor a reader nor a server is imported, and it takes at most 0.3 s (measured in the benchmark)."""
-    code = "import sys, airlight; print(*[m for m in ('wgpu','PIL','nibabel','nrrd','pydicom','tifffile','rich') if m in sys.modules])"
+    heavy = ("wgpu", "PIL", "nibabel", "nrrd", "pydicom", "tifffile", "rich")
+    code = f"import sys, airlight; print(*[m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)
     assert done.stdout.strip() == ""

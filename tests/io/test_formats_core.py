@@ -543,3 +543,12 @@ def test_gzip_members_padding_and_rubbish(tmp_path: Path, ramp: np.ndarray) -> N
         path.write_bytes(head % b"gzip" + bad)
         with pytest.raises(FileError, match=what):
             io.open(path)
+
+
+def test_nifti_with_a_long_extension(tmp_path):
+    """What lies between header and samples (label names, for instance) is stepped over."""
+    nibabel = pytest.importorskip("nibabel")
+    image = nibabel.Nifti1Image(np.arange(24, dtype=np.int16).reshape(2, 3, 4), np.eye(4))
+    image.header.extensions.append(nibabel.nifti1.Nifti1Extension("comment", b"x" * 5000))
+    nibabel.save(image, tmp_path / "a.nii.gz")
+    assert np.array_equal(io.open(tmp_path / "a.nii.gz").array, np.asarray(image.dataobj).T)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -82,7 +84,7 @@ def test_halving_the_step_converges(renderer):
         np.sqrt(np.mean((draw(renderer, blobs(), cameras(blobs())["perspective"], step=s, shade="none").rgba - best) ** 2))
         for s in (2.0, 1.0, 0.5, 0.25)
     ]
-    assert all(b < 0.6 * a for a, b in zip(errors, errors[1:], strict=False)), errors
+    assert all(b < 0.6 * a for a, b in itertools.pairwise(errors)), errors
 
 
 def test_two_halves_composite_to_the_whole(renderer):
@@ -90,6 +92,7 @@ def test_two_halves_composite_to_the_whole(renderer):
     rng = np.random.default_rng(5)
     data = rng.uniform(40, 100, (8, 21, 8)).astype(np.float32)
     camera = al.Camera.orthographic(eye=(3.5, -30, 3.5), target=(3.5, 10, 3.5), height=6)
+
     def part(y):
         return al.Volume(np.ascontiguousarray(data[:, y]), origin=(0, y.start, 0))
 

@@ -35,7 +35,7 @@ def test_units_and_offsets_are_told_in_the_text():
 
 
 def test_unknown_type_is_refused():
-    with pytest.raises(StageError, match="P.x has the unknown WGSL type 'f64'"):
+    with pytest.raises(StageError, match=r"P\.x has the unknown WGSL type 'f64'"):
         make_struct("P", [("x", "f64", "")])
 
 

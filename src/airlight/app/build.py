@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from ..errors import ValueRangeError
-from ..first_picture import first_picture
+from ..first_picture import first_picture, projection_transfer
 from ..scene import VIEWS, Camera, Layer, Look, Scene, fit_camera
 from ..stage import Stage
 from ..stages.camera import Orthographic, Perspective
-from ..transfer import TransferFunction, presets
-from ..volume import Volume, statistics
+from ..transfer import presets
+from ..volume import Volume
 from .options import SLOTS, DrawOptions, LookOptions, ReadOptions, ViewOptions
 from .parse import (
     parse_background,
@@ -130,11 +130,7 @@ def _load(path: str, read: ReadOptions, progress: ProgressBar | None) -> tuple[S
 
 def _picture_of(volume: Volume, size: tuple[int, int], look: LookOptions) -> Scene:
     """Return the scene of a good first picture, of the channel and time step that are asked for."""
-    scene = first_picture(volume, size)
-    if look.channel is None and look.time is None:
-        return scene
-    # The function was chosen for the first channel and time step; None chooses again.
-    return dataclasses.replace(scene, layers=tuple(dataclasses.replace(layer, transfer=None) for layer in scene.layers))
+    return first_picture(volume, size, channel=_channel(look), time=look.time or 0)
 
 
 def _channel(look: LookOptions) -> int | str:
@@ -154,15 +150,8 @@ def _with_look(layer: Layer, look: LookOptions, stages: dict[str, Stage]) -> Lay
     if look.preset is not None:
         changes["transfer"] = presets.get(look.preset, layer.volume, channel, time)
     elif "integrate" in stages and stages["integrate"].name in PROJECTIONS:
-        changes["transfer"] = projection_function(layer.volume, channel, time)
+        changes["transfer"] = projection_transfer(layer.volume, channel, time)
     return dataclasses.replace(layer, **changes) if changes else layer
-
-
-def projection_function(volume: Volume, channel: int | str = 0, time: int = 0) -> TransferFunction:
-    """Black to white from the robust minimum to the maximum: what projections of values are shown with."""
-    known = statistics(volume, channel, time)
-    low = known.percentile(0.5)
-    return TransferFunction([(low, "black", 0.0), (max(known.maximum, low), "white", 1.0)])
 
 
 def orthographic(scene: Scene, size: tuple[int, int]) -> Scene:

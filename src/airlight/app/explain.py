@@ -30,4 +30,4 @@ def explain(
     with ProgressBar() as progress:
         options = look or LookOptions(), view or ViewOptions(), draw or DrawOptions(), read or ReadOptions()
         job = make_job(input, *options, progress)
-    print(api.explain(job.scene, job.size, driver=job.arguments.get("driver", "march")))
+    print(api.explain(job.scene, job.size, driver=job.arguments.get("driver", "march"), device=job.arguments.get("device")))

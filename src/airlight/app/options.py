@@ -37,6 +37,7 @@ class LookOptions:
         Parameter(
             group=LOOK,
             metavar="FUNCTION",
+            allow_leading_hyphen=True,
             help="Transfer function: a .toml or .json file, or points VALUE:COLOUR:EXTINCTION (extinction per world unit), "
             'e.g. "0:black:0 300:#ffaa88:0.02 1200:white:0.5".',
         ),

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 
-from ..scene import Look, Scene, fit_camera
+from ..scene import Layer, Look, Scene, fit_camera
 from ..stages.shade import BlinnPhong
 from ..transfer import TransferFunction
-from ..volume import Volume
+from ..volume import Volume, statistics
 from .functions import chosen_function
 from .survey import Survey, survey
 from .view import chosen_direction, chosen_lights, fitted_camera, visible_points
 
-__all__ = ["automatic_transfer", "first_picture", "resolve"]
+__all__ = ["automatic_transfer", "first_picture", "projection_transfer", "resolve"]
 
 BACKGROUND = (0.0, 0.0, 0.0)
 
@@ -29,10 +29,17 @@ def automatic_transfer(volume: Volume, channel: int | str = 0, time: int = 0) ->
     return cache[slot]
 
 
-def first_picture(volume: Volume, size_px: tuple[int, int] = (512, 512)) -> Scene:
-    """Return the scene that shows a volume well without any choice of the user's."""
-    found = survey(volume)
-    function = automatic_transfer(volume)
+def projection_transfer(volume: Volume, channel: int | str = 0, time: int = 0) -> TransferFunction:
+    """Black to white from the robust minimum to the maximum: what projections of values are shown with."""
+    known = statistics(volume, channel, time)
+    low = known.percentile(0.5)
+    return TransferFunction([(low, "black", 0.0), (max(known.maximum, low), "white", 1.0)])
+
+
+def first_picture(volume: Volume, size_px: tuple[int, int] = (512, 512), *, channel: int | str = 0, time: int = 0) -> Scene:
+    """Return the scene that shows one channel of a volume well without any choice of the user's."""
+    found = survey(volume, volume.channel_index(channel), time)
+    function = automatic_transfer(volume, channel, time)
     points = visible_points(volume, function, found)
     to_eye, up = chosen_direction(points, volume, found)
     camera = fitted_camera(points, to_eye, up, size_px[0] / size_px[1])
@@ -40,6 +47,8 @@ def first_picture(volume: Volume, size_px: tuple[int, int] = (512, 512)) -> Scen
         volume,
         transfer=function,
         look=_look(found),
+        channel=channel,
+        time=time,
         camera=camera,
         lights=chosen_lights(to_eye, up),
         background=BACKGROUND,
@@ -49,9 +58,7 @@ def first_picture(volume: Volume, size_px: tuple[int, int] = (512, 512)) -> Scen
 def resolve(scene: Scene, size_px: tuple[int, int]) -> Scene:
     """Fill in what a scene leaves open: transfer functions, and the camera of a named view."""
     layers = tuple(
-        layer
-        if layer.transfer is not None
-        else dataclasses.replace(layer, transfer=automatic_transfer(layer.volume, layer.channel, layer.time))
+        layer if layer.transfer is not None else dataclasses.replace(layer, transfer=_function_for(layer))
         for layer in scene.layers
     )
     camera = scene.camera
@@ -59,6 +66,13 @@ def resolve(scene: Scene, size_px: tuple[int, int]) -> Scene:
         corners = [c for layer in scene.visible_layers or scene.layers for c in layer.volume.corners_world()]
         camera = fit_camera(camera, corners, size_px[0] / size_px[1])
     return dataclasses.replace(scene, layers=layers, camera=camera)
+
+
+def _function_for(layer: Layer) -> TransferFunction:
+    """Return a function for a layer without one; what projects values shows all of them."""
+    projects = not getattr(layer.look.integrate, "uses_slabs", True)
+    choose = projection_transfer if projects else automatic_transfer
+    return choose(layer.volume, layer.channel, layer.time)
 
 
 def _look(found: Survey) -> Look:

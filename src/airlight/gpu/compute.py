@@ -59,7 +59,7 @@ def shader_error(program: Program, message: str) -> ShaderError:
     """Error of the compiler, with its positions mapped back to files and lines."""
     explained = program.linked.explain_message(message)
     first = next((w for w in explained.replace("┌─ ", "\n").split() if w.count(":") == 2 and ".wgsl" in w), "")
-    return ShaderError(first or program.key.root, "does not compile\n" + explained)
+    return ShaderError(first or str(program.key.root), "does not compile\n" + explained)
 
 
 def _layout_entry(device: Device, binding: Binding) -> dict[str, Any]:

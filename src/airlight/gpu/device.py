@@ -44,7 +44,7 @@ CORE_LIMITS = {
     "max-compute-workgroup-size-z": 64,
     "max-compute-workgroups-per-dimension": 65535,
 }
-NO_ADAPTER = "install a driver; on Debian and Ubuntu without a GPU: apt-get install mesa-vulkan-drivers (software Vulkan)"
+NO_ADAPTER = "install a driver; on Debian and Ubuntu without a GPU: apt-get install mesa-vulkan-drivers libvulkan1"
 
 
 @dataclass(frozen=True)

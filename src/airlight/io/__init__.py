@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 import os
 from collections.abc import Sequence
@@ -90,8 +91,15 @@ def open(
     if untrusted:
         from .untrusted import read_untrusted
 
-        return read_untrusted(place, options)
-    return read_trusted(place, options)
+        return _with_absolute_source(read_untrusted(place, options))
+    return _with_absolute_source(read_trusted(place, options))
+
+
+def _with_absolute_source(volume: Volume) -> Volume:
+    """Make the source's path absolute, so that volumes of one file are equal wherever they were opened from."""
+    if volume.source is not None:
+        volume.source = dataclasses.replace(volume.source, path=os.path.abspath(volume.source.path))
+    return volume
 
 
 def read_trusted(path: Path, options: ReadOptions) -> Volume:

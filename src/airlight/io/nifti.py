@@ -78,7 +78,8 @@ def _header(path: Path) -> tuple[Any, bool]:
         )
     if 540 in size and len(head) < 540:
         raise FileError(str(path), f"is cut short: {len(head)} bytes of a NIfTI-2 header", "fetch or write the file again")
-    header = kind.from_fileobj(io.BytesIO(head), check=False)
+    # No more than the header: behind it nibabel would look for extensions, which are not needed and may be long.
+    header = kind.from_fileobj(io.BytesIO(head[: 540 if 540 in size else 348]), check=False)
     quiet = logging.Logger("airlight.io.nifti")
     quiet.addHandler(logging.NullHandler())
     header.check_fix(logger=quiet, error_level=40)

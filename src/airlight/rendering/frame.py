@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ..errors import LimitError, ValueRangeError
+from ..errors import DataError, LimitError, ValueRangeError
 from ..first_picture import resolve
 from ..gpu.device import Device
 from ..gpu.textures import Progress
@@ -24,6 +24,7 @@ from .image import Image
 from .march import MarchFrame, draw_march, march_program
 from .resources import DrawnLayer, grid_texture
 
+GREATEST_VALUE = 1e37
 SKIPS = ("auto", "none", "blocks", "geometry")
 
 
@@ -54,8 +55,8 @@ def draw(device: Device, scene: Scene, request: Request, check: Callable[[], Non
     start = time.perf_counter()
     frame = prepare(device, scene, request, check, progress)
     rgba, depth, samples = draw_march(frame)
-    stats = statistics_of(frame, request) | {"samples": int(samples), "milliseconds": frame.milliseconds}
-    frame.milliseconds["total"] = 1e3 * (time.perf_counter() - start)
+    stats = statistics_of(frame, request) | {"samples": int(samples), "milliseconds": frame.clock.milliseconds}
+    frame.clock.milliseconds["total"] = 1e3 * (time.perf_counter() - start)
     return Image(rgba, depth, frame.scene.background, stats)
 
 
@@ -84,11 +85,18 @@ def drawn_layer(layer: Layer, step_world: float, size_px: tuple[int, int]) -> Dr
     """Give a layer its stages and their resources; a volume with empty samples gets the field that keeps them apart."""
     assert layer.transfer is not None
     channel = layer.volume.channel_index(layer.channel)
+    known = statistics(layer.volume, channel, layer.time)
+    if max(abs(known.minimum), abs(known.maximum)) > GREATEST_VALUE:
+        raise DataError(
+            "volume",
+            f"has values from {known.minimum:.3g} to {known.maximum:.3g}, beyond what devices hold ({GREATEST_VALUE:g})",
+            "scale it, e.g. volume / 1e30, and the transfer function with it",
+        )
     transfer = layer.transfer if layer.density == 1 else layer.transfer.scaled(layer.density)
     context = Context(layer.volume, transfer, channel, layer.time, step_world, size_px)
     stages = {slot: stage for slot, stage in layer.look.stages().items() if SLOTS[slot].per_layer}
     field = stages["field"]
-    if isinstance(field, Field) and not field.masked and statistics(layer.volume, channel, layer.time).empty:
+    if isinstance(field, Field) and not field.masked and known.empty:
         stages["field"] = field.for_empty()
     return DrawnLayer(stages, context, {slot: stage.resources(context) for slot, stage in stages.items()})
 

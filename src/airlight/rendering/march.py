@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,6 +26,27 @@ from .resources import DrawnLayer, bound_resources, pack_lights, pack_uniforms, 
 BYTES_PER_PIXEL = 16
 
 
+class Clock:
+    """Milliseconds by name; what runs inside another block counts for itself alone, so that the parts add up."""
+
+    def __init__(self) -> None:
+        self.milliseconds: dict[str, float] = {}
+        self._inner: list[float] = []
+
+    @contextmanager
+    def __call__(self, name: str) -> Iterator[None]:
+        """Time a block."""
+        start = time.perf_counter()
+        self._inner.append(0.0)
+        try:
+            yield
+        finally:
+            spent = 1e3 * (time.perf_counter() - start)
+            self.milliseconds[name] = self.milliseconds.get(name, 0.0) + spent - self._inner.pop()
+            if self._inner:
+                self._inner[-1] += spent
+
+
 @dataclass(frozen=True, eq=False)
 class MarchFrame:
     """What the passes of one frame share."""
@@ -36,20 +59,20 @@ class MarchFrame:
     step_world: float
     check: Callable[[], None]
     progress: Progress
-    milliseconds: dict[str, float] = field(default_factory=dict)
+    clock: Clock = field(default_factory=Clock)
 
     @property
     def scene_resources(self) -> dict[str, Mapping[str, Resource]]:
         """Resources of the stages that belong to no layer."""
         return {slot: stage.resources(self.layers[0].context) for slot, stage in self.scene_stages.items()}
 
-    def program(self, root: str, outputs: tuple[str, ...], extra: tuple[str, ...] = (), **instead: Stage) -> Program:
+    def program(self, root: str | Path, outputs: tuple[str, ...], extra: tuple[str, ...] = (), **instead: Stage) -> Program:
         """Program of a root with the frame's stages, some replaced."""
         return build_program(program_key(self, root, outputs, extra, **instead))
 
 
 def program_key(
-    frame: MarchFrame, root: str, outputs: tuple[str, ...], extra: tuple[str, ...] = (), **instead: Stage
+    frame: MarchFrame, root: str | Path, outputs: tuple[str, ...], extra: tuple[str, ...] = (), **instead: Stage
 ) -> ProgramKey:
     """Key of the program for a frame."""
     resources = frame.scene_resources
@@ -59,14 +82,16 @@ def program_key(
     )
     has_empty = any(layer.field.masked for layer in frame.layers)
     skips_empty = bool(getattr(frame.scene_stages["integrate"], "skips_empty", False))
-    return ProgramKey(root, scene, layers, outputs, extra, has_empty, skips_empty, frame.device.traits)
+    classifies = bool(getattr(frame.scene_stages["integrate"], "classifies", True))
+    return ProgramKey(root, scene, layers, outputs, extra, has_empty, skips_empty, classifies, frame.device.traits)
 
 
 def march_program(frame: MarchFrame) -> Program:
     """Program of the march; a tone stage that looks at the whole image first gets a pass of its own."""
+    root = frame.scene_stages["driver"].wgsl
     if frame.scene_stages["tone"].reads:
-        return frame.program("march.wgsl", ("radiance", "depth"), tone=tones.Linear())
-    return frame.program("march.wgsl", ("radiance", "depth"))
+        return frame.program(root, ("radiance", "depth"), tone=tones.Linear())
+    return frame.program(root, ("radiance", "depth"))
 
 
 def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], float]:
@@ -83,11 +108,11 @@ def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any,
         passes.append(Pass("tone", ("radiance", *tone.reads), ("radiance",), lambda: _tone(frame, bands)))
     check_plan(passes, ("radiance", "depth"))
     for step in passes:
-        with timed(frame.milliseconds, step.name):
+        with frame.clock(step.name):
             step.run()
     rgba = np.empty((height, width, 4), dtype=np.float32)
     depth = np.empty((height, width, 2), dtype=np.float32)
-    with timed(frame.milliseconds, "read back"):
+    with frame.clock("read back"):
         for band in bands:
             band.read(rgba, depth)
     return rgba, np.where(depth[..., 0] < 3e38, depth[..., 0], np.float32(np.inf)), float(depth[..., 1].sum(dtype=np.float64))
@@ -133,10 +158,10 @@ def _bind(frame: MarchFrame, program: Program, buffers: Mapping[str, Any], name:
 
 def _march(frame: MarchFrame, bands: list[_Band]) -> None:
     device = frame.device
-    with timed(frame.milliseconds, "link and compile"):
+    with frame.clock("link and compile"):
         program = march_program(frame)
         pipeline = compute.pipeline_of(device, program)
-    with timed(frame.milliseconds, "upload"):
+    with frame.clock("upload"):
         values = uniform_values(device, frame.scene_stages, frame.layers, frame.progress)
         if frame.scene_stages["tone"].reads:
             values["tone"] = tones.Linear()
@@ -170,7 +195,9 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
 def _luminance(frame: MarchFrame, bands: list[_Band]) -> None:
     """Measure the log-average luminance; the sums of all bands are joined on the host in float64."""
     device = frame.device
-    program = build_program(ProgramKey("passes/luminance.wgsl", (), (), ("radiance", "sums"), (), False, False, device.traits))
+    program = build_program(
+        ProgramKey("passes/luminance.wgsl", (), (), ("radiance", "sums"), (), False, False, False, device.traits)
+    )
     total = np.zeros(2)
     for band in bands:
         sums = compute.storage_buffer(device, "luminance sums", LUMINANCE_SUMS * 8)
@@ -193,17 +220,3 @@ def _tone(frame: MarchFrame, bands: list[_Band]) -> None:
         groups = _bind(frame, program, {"radiance": band.radiance}, "tone", data)
         counts = (-(-frame.size_px[0] // x), -(-band.rows // y), 1)
         compute.dispatch(device, compute.pipeline_of(device, program), groups, counts)
-
-
-class timed:  # noqa: N801 - a context manager, used like a function
-    """Add the milliseconds of a block to a record."""
-
-    def __init__(self, record: dict[str, float], name: str) -> None:
-        self.record, self.name = record, name
-
-    def __enter__(self) -> None:
-        self.start = time.perf_counter()
-
-    def __exit__(self, *_: object) -> None:
-        spent = 1e3 * (time.perf_counter() - self.start)
-        self.record[self.name] = self.record.get(self.name, 0.0) + spent

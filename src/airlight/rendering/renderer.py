@@ -98,7 +98,6 @@ class Renderer:
         """Return the program that would draw a scene."""
         request = Request((int(size[0]), int(size[1])), make_stage("driver", driver))
 
-
         def work(job: Job[Program]) -> Program:
             return self._guarded(job, lambda device: explain(device, scene, request))
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from ..errors import StageError
@@ -148,13 +149,14 @@ class StageKey:
 class ProgramKey:
     """What a program's text depends on; equal keys share text, module and pipeline."""
 
-    root: str
+    root: str | Path
     scene: tuple[tuple[str, StageKey], ...]
     layers: tuple[tuple[tuple[str, StageKey], ...], ...]
     outputs: tuple[str, ...]
     extra: tuple[str, ...]
     has_empty: bool
     skips_empty: bool
+    classifies: bool
     traits: Traits
 
     def __str__(self) -> str:
@@ -226,13 +228,14 @@ def build_program(key: ProgramKey) -> Program:
         build.names["pass", None, name] = build.bind(3, name, PASS_RESOURCES[name], kind)
     x, y = key.traits.workgroup
     constants = {"WORKGROUP_X": x, "WORKGROUP_Y": y, "LUMINANCE_SUMS": LUMINANCE_SUMS}
-    for name in ("Values", "HAS_EMPTY", "SKIPS_EMPTY", *constants):
+    for name in ("Values", "HAS_EMPTY", "SKIPS_EMPTY", "CLASSIFIES", *constants):
         build.names["sizes", None, name] = name
     structs = {m.struct.name: m.struct for m in uniforms.members if m.struct}
     structs["LightRecord"] = class_struct(LightRecord, "LightRecord")
     text = "\n".join(
         [
             "alias Values = f32;",
+            f"const CLASSIFIES: bool = {str(key.classifies).lower()};",
             f"const SKIPS_EMPTY: bool = {str(key.skips_empty).lower()};",
             f"const HAS_EMPTY: bool = {str(key.has_empty).lower()};",
             *(f"const {name}: u32 = {value}u;" for name, value in constants.items()),
@@ -242,7 +245,7 @@ def build_program(key: ProgramKey) -> Program:
             *(binding.wgsl for binding in build.bindings),
         ]
     )
-    linked = link(package_source(key.root), slots, Generated(text, build.names))
+    linked = link(stage_source(key.root, "driver"), slots, Generated(text, build.names))
     return Program(linked, uniforms, tuple(build.bindings), key)
 
 

@@ -11,12 +11,13 @@ from ..stage import F32, Context, Stage, param, register
 class Integrate(Stage):
     """Base of the integrate stages.
 
-    ``uses_slabs`` tells whether they need colour and opacity of slabs; ``skips_empty`` whether empty slabs leave them as
-    they are.
+    ``uses_slabs`` tells whether colour is lit at all; ``classifies`` whether ``take`` looks at colour and opacity of slabs,
+    or at surfaces and values alone; ``skips_empty`` whether empty slabs leave the result as it is.
     """
 
     slot: ClassVar[str] = "integrate"
     uses_slabs: ClassVar[bool] = False
+    classifies: ClassVar[bool] = False
     skips_empty: ClassVar[bool] = False
 
 
@@ -31,6 +32,7 @@ class EmissionAbsorption(Integrate):
     name: ClassVar[str] = "emission_absorption"
     wgsl: ClassVar[str] = "integrate/emission_absorption.wgsl"
     uses_slabs: ClassVar[bool] = True
+    classifies: ClassVar[bool] = True
     skips_empty: ClassVar[bool] = True
     opaque_at: F32 = param(0.99995, above=0, up_to=1, help="opacity at which a ray ends")
 

@@ -8,10 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..stage import F32, U32, Bool, Context, Resource, Stage, Table, Vec4f, param, register, static
+from ..stage import F32, U32, Bool, Context, Resource, Stage, Table, Vec4f, param, register
 from ..transfer import TransferFunction
 from ..transfer.tables import LENGTHS, function_table, slab_table
-
 
 Vec4 = tuple[float, float, float, float]
 
@@ -97,7 +96,7 @@ class PreIntegrated(Transfer):
 
     name: ClassVar[str] = "preintegrated"
     wgsl: ClassVar[str] = "transfer/preintegrated.wgsl"
-    entries: int = static(0, help="size of the table along each axis; 0 chooses it from the function")
+    entries: U32 = param(0, at_least=0, up_to=4096, help="size of the table along each axis; 0 chooses it from the function")
 
     def uniforms(self, context: Context) -> FunctionUniforms:
         """Return the axes of the tables."""

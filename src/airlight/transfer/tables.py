@@ -119,8 +119,8 @@ def slab_table(function: TransferFunction, length: float, entries: int = 0) -> V
 class _Segments:
     """The function between neighbouring entries, at Gauss nodes; no control point between entries is lost.
 
-    ``source`` (n-1, q, 3), ``extinction`` (n-1, q, 1), ``weight`` (n-1, q) and ``depth`` (n-1, q): source, quadrature weight, and extinction integrated
-    from the segment's lower end over values; ``total`` (n-1): extinction integrated over the segment. All per unit of value.
+    ``source`` (n-1, q, 3), ``extinction`` (n-1, q, 1), quadrature ``weight`` (n-1, q); ``depth`` (n-1, q) is extinction
+    integrated over values from the segment's lower end, ``total`` (n-1) over the whole segment. All per unit of value.
     """
 
     source: FloatArray

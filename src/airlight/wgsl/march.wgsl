@@ -4,7 +4,7 @@ import generated::frame::frame;
 import generated::layer::layer;
 import generated::driver::OFFSETS;
 import generated::pass::{radiance, depth};
-import generated::sizes::{HAS_EMPTY, SKIPS_EMPTY, WORKGROUP_X, WORKGROUP_Y};
+import generated::sizes::{CLASSIFIES, HAS_EMPTY, SKIPS_EMPTY, WORKGROUP_X, WORKGROUP_Y};
 import package::empty::is_empty;
 import package::ray::{Ray, INFINITE};
 import package::sample::{Sample, Slab, Medium, Result};
@@ -65,9 +65,10 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
       take_surface(&acc, ray, index_ray, front, back, share);
       break;
     }
-    let slab = classify(front, back, length);
+    var slab = Slab(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0);
     var lit_rgb = vec3f(0.0);
-    if (slab.alpha > 0.0 || any(slab.front_rgb + slab.back_rgb > vec3f(0.0))) {
+    if (CLASSIFIES) { slab = classify(front, back, length); }
+    if (CLASSIFIES && (slab.alpha > 0.0 || any(slab.front_rgb + slab.back_rgb > vec3f(0.0)))) {
       lit_rgb = light_slab(front, back, slab, ray);
     }
     if (take(&acc, front, back, slab, lit_rgb, length) || next.t_world >= span.y) { break; }
