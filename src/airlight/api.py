@@ -34,8 +34,9 @@ def render(
     Parameters
     ----------
     what
-        A ``Scene``, or the path of a scene file (``.toml``, of which the scene is taken); or a ``Volume``, an array, an image of nibabel, SimpleITK or xarray, or a path, which get a good first
-        picture: transfer function, view and lights chosen from the data.
+        A ``Scene``, or the path of a scene file (``.toml``, of which the scene is taken). A ``Volume``, an array, an image of
+        nibabel, SimpleITK or xarray, or the path of a volume get a good first picture: transfer function, view and lights
+        chosen from the data.
     size
         Width and height in pixels.
     driver
@@ -81,7 +82,7 @@ def as_scene(what: Any, size: tuple[int, int] = (512, 512), progress: Progress |
         if os.fspath(what).endswith(".toml"):
             from .scene_file import load_scene
 
-            return load_scene(what)[0]
+            return load_scene(os.fspath(what))[0]
         from . import io
 
         what = io.open(what, progress=progress)

@@ -67,7 +67,7 @@ def test_command_line_tells_its_parameters():
     done = airlight("stages", "integrate", "--plugin", str(PLUGIN))
     assert done.returncode == 0, done.stderr
     assert "steepest" in done.stdout
-    assert "shown as white" in " ".join(done.stdout.split())
+    assert "rise that is shown as" in " ".join(done.stdout.split())
 
 
 def test_without_the_plugin_the_name_is_unknown(volume, tmp_path):
