@@ -3,7 +3,8 @@
 At steps of 1/8 voxel, perspective and orthographic, on the CT head and on an analytic field: unshaded at most 1/255 anywhere
 from the converged reference; shaded a root mean square error of at most 0.0025 from the converged one, and at most 1/255
 anywhere from the reference with the same steps and stages. Compared are linear, premultiplied colours and opacity of pixels
-drawn by lot among those that show something.
+drawn by lot among those that show something. The last column of numbers is what the method itself is off at these steps,
+whoever computes it.
 """
 
 from __future__ import annotations
@@ -43,8 +44,11 @@ def main(argv: list[str] | None = None) -> int:
                     rows.append({"case": f"{name}, {transfer}"} | row)
                     print(line(rows[-1]), flush=True)
     print("\n" + table([shown(row) for row in rows]))
+    for transfer in ("preintegrated", "postclassified"):
+        of_stage = [row["passes"] for row in rows if row["case"].endswith(transfer)]
+        print(f"\n{transfer}: {sum(of_stage)} of {len(of_stage)} within the bars", end="")
     passed = all(r["passes"] for r in rows)
-    print(f"\n{'PASS' if passed else 'FAIL'} in {time.time() - started:.0f} s")
+    print(f"\n\n{'PASS' if passed else 'FAIL'} in {time.time() - started:.0f} s")
     bars = {"step": STEP, "unshaded_max": ANYWHERE, "shaded_rmse": SHADED_RMSE, "shaded_max_same_steps": ANYWHERE}
     write_json(options.out, machine() | {"adapter": adapter, "quick": options.quick, "bars": bars, "cases": rows})
     return 0 if passed or options.quick else 1
@@ -57,6 +61,7 @@ def cases(quick: bool = False) -> Iterator[tuple[str, al.Scene]]:
     if quick:
         ct = cropped(ct, 32)
     drawn = {
+        "CT head, gentle": (ct, gentle()),
         "CT head, bone": (ct, bone()),
         "CT head, skin and bone": (ct, head()),
         "CT head, automatic": (ct, al.first_picture(ct).layers[0].transfer),
@@ -68,6 +73,11 @@ def cases(quick: bool = False) -> Iterator[tuple[str, al.Scene]]:
                 look = al.Look(shade=shade)
                 scene = al.Scene(volume, transfer=function, camera=camera, look=look, lights=LIGHTS, background=None)
                 yield f"{name}, {kind}, {'unshaded' if shade == 'none' else 'shaded'}", scene
+
+
+def gentle() -> al.TransferFunction:
+    """Return the function of the guide's first example."""
+    return al.TransferFunction([(0, (0, 0, 0), 0.0), (300, (1, 0.6, 0.4), 0.02), (1200, (1, 1, 1), 0.5)])
 
 
 def flow() -> al.TransferFunction:
@@ -141,6 +151,7 @@ def shown(row: dict[str, Any]) -> dict[str, Any]:
         "to converged: max [1/255]": 255 * row["converged"]["max"],
         "rmse": row["converged"]["rmse"],
         "to same steps: max [1/255]": 255 * row["same"]["max"],
+        "reference with same steps to converged: max [1/255]": 255 * row["reference_same_to_converged"]["max"],
         "passes": row["passes"],
     }
 

@@ -43,9 +43,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = arguments(__doc__, "against_vtk", repeats=5)
     parser.add_argument("--size", type=int, default=512, help="width and height of the picture (default: 512)")
     parser.add_argument("--pixels", type=int, default=4000, help="pixels compared with the reference (default: 4000)")
-    parser.add_argument(
-        "--clock", choices=("wall", "cpu"), default="wall", help="what the table shows: cpu where others are busy"
-    )
+    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall", help="what the table shows: cpu on a busy machine")
     parser.add_argument("--pictures", action="store_true", help="also write the pictures beside the JSON")
     options = parser.parse_args(argv)
     if options.quick:

@@ -1,0 +1,59 @@
+"""Benchmarks run, with tiny sizes; what they measure is not asserted."""
+
+from __future__ import annotations
+
+import importlib
+import json
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+
+@pytest.fixture
+def benchmark_named(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT / "src"))
+    return importlib.import_module
+
+
+def run(module, path) -> dict:
+    with np.errstate(all="warn"):
+        assert module.main(["--quick", "--out", str(path)]) == 0
+    return json.loads(path.read_text())
+
+
+def test_accuracy(benchmark_named, tmp_path):
+    found = run(benchmark_named("accuracy"), tmp_path / "out.json")
+    assert {"adapter", "versions", "cases"} <= set(found)
+    assert all(case["same"]["max"] < 0.1 for case in found["cases"])
+
+
+def test_throughput(benchmark_named, tmp_path):
+    found = run(benchmark_named("throughput"), tmp_path / "out.json")
+    assert all(row["agrees"] for row in found["against_plainest"])
+    samples = [row["samples"] for row in found["against_plainest"]]
+    assert all(abs(s["airlight"] / s["plainest"] - 1) < 0.01 for s in samples)
+
+
+def test_cold_start(benchmark_named, tmp_path):
+    found = run(benchmark_named("cold_start"), tmp_path / "out.json")
+    assert found["programs"]["airlight"]["peak_bytes"]["median"] > 0
+    assert found["imports_milliseconds"]["airlight"] > 0
+
+
+def test_against_vtk(benchmark_named, tmp_path):
+    pytest.importorskip("vtkmodules")
+    found = run(benchmark_named("against_vtk"), tmp_path / "out.json")
+    assert {row["renderer"] for row in found["rows"]} >= {"VTK GPU mapper", "airlight, pre-integrated"}
+    assert all(row["same view"] for row in found["checks"] if "GPU" in row["renderer"])
+
+
+def test_table(benchmark_named):
+    table = benchmark_named("common").table([{"a": "x", "b": 1.5, "c": True}, {"a": "long", "b": None, "c": False}])
+    assert table.splitlines() == [
+        "| a    |   b |   c |",
+        "|------|----:|----:|",
+        "| x    | 1.5 | yes |",
+        "| long |   - |  no |",
+    ]
