@@ -8,11 +8,9 @@ plus 400 MB of memory. A breakdown follows from ``--stats`` and ``python -X impo
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +22,14 @@ import airlight as al
 MOST_SECONDS = 1.5
 FIXED_BYTES = 400e6
 COMMAND = "import sys; from airlight.app.cli import main; sys.exit(main())"
+LAUNCHER = """
+import os, sys, time
+start = time.perf_counter()
+child = os.posix_spawn(sys.argv[1], sys.argv[1:], os.environ)
+_, status, used = os.wait4(child, 0)
+print("", time.perf_counter() - start, used.ru_utime + used.ru_stime, used.ru_maxrss)
+sys.exit(os.waitstatus_to_exitcode(status))
+"""
 HERE = Path(__file__).parent
 SUMMED = ("numpy", "wgpu", "airlight", "cyclopts", "rich", "PIL", "nrrd", "nibabel", "pydicom", "tifffile", "cffi")
 
@@ -90,18 +96,15 @@ def measure(volume: Path, folder: Path, options: Any) -> dict[str, Any]:
 
 
 def process(command: list[str]) -> dict[str, float]:
-    """Run a program: seconds from start to end, seconds of its cores, and its peak memory."""
-    start = time.perf_counter()
-    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    assert child.stderr is not None
-    said = child.stderr.read()
-    _, status, used = os.wait4(child.pid, 0)
-    seconds = time.perf_counter() - start
-    child.returncode = os.waitstatus_to_exitcode(status)
-    if child.returncode:
-        raise SystemExit(f"{Path(command[1]).name}: exit {child.returncode}\n{said.decode(errors='replace')}")
-    unit = 1 if sys.platform == "darwin" else 1024
-    return {"seconds": seconds, "cpu_seconds": used.ru_utime + used.ru_stime, "peak_bytes": float(used.ru_maxrss * unit)}
+    """Run a program: seconds from start to end, seconds of its cores, and its peak memory.
+
+    A small process starts it: what a child's peak tells begins with the memory of the process that it was split off from.
+    """
+    done = subprocess.run([sys.executable, "-I", "-S", "-c", LAUNCHER, *command], capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"a program failed: {' '.join(Path(word).name for word in command[:4])}\n{done.stderr}")
+    seconds, cpu_seconds, peak = (float(word) for word in done.stdout.split()[-3:])
+    return {"seconds": seconds, "cpu_seconds": cpu_seconds, "peak_bytes": peak * (1 if sys.platform == "darwin" else 1024)}
 
 
 def imports(command: list[str]) -> dict[str, float]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import importlib
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT
+
+ROOT = Path(__file__).parent.parent
 
 
 @pytest.fixture
@@ -50,10 +52,6 @@ def test_against_vtk(benchmark_named, tmp_path):
 
 
 def test_table(benchmark_named):
-    table = benchmark_named("common").table([{"a": "x", "b": 1.5, "c": True}, {"a": "long", "b": None, "c": False}])
-    assert table.splitlines() == [
-        "| a    |   b |   c |",
-        "|------|----:|----:|",
-        "| x    | 1.5 | yes |",
-        "| long |   - |  no |",
-    ]
+    rows = [{"a": "x", "b": 1.5, "c": True}, {"a": "long", "b": None, "c": False}]
+    lines = benchmark_named("common").table(rows).splitlines()
+    assert lines == ["| a    |   b |   c |", "|------|----:|----:|", "| x    | 1.5 | yes |", "| long |   - |  no |"]

@@ -27,6 +27,8 @@ FUNCTION_ENTRIES = (256, 4096)
 SLAB_ENTRIES = (128, 512)
 GAUSS_NODES = 4
 LENGTHS = 4
+MOST_DEPTH = 12.0
+DIAGONALS_AT_ONCE = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,33 +187,89 @@ def _fill_means(texels: npt.NDArray[np.float32], segments: _Segments, function: 
 
 
 def _fill_attenuated(texels: npt.NDArray[np.float32], segments: _Segments, lengths: FloatArray) -> None:
-    """Attenuated mean source of all pairs off the diagonal, diagonal by diagonal (Lum, Wilson and Ma, section 4.2).
+    """Attenuated mean source of all pairs off the diagonal; a slab over m segments takes d/m of its length in each.
 
-    A slab over m segments takes d/m of length in each. Segments are composited over windows of m, which are put together of
-    windows whose sizes are powers of two; both orders of front and back and all lengths run side by side.
+    Longer slabs are differences of running sums, which lose digits where the whole function is opaque; those that would lose
+    too many are put together segment by segment.
     """
     n = texels.shape[1]
-    prefix = np.concatenate([[0.0], np.cumsum(segments.total)])
-    for m in range(1, n):
-        # Path length per unit of value, one for each length of slab.
-        rate = lengths / (m * segments.step)
-        depth = rate[:, None, None] * segments.depth
-        total = rate[:, None] * segments.total
-        upward = rate[:, None, None] * segments.weight * np.exp(-depth)
-        downward = rate[:, None, None] * segments.weight * np.exp(depth - total[..., None])
-        weights = np.stack([upward, downward])[..., None, :]
-        # What Gauss nodes miss of a steep decay is put right by what is known: the opacity of the segment.
-        found = (weights @ segments.extinction)[..., 0, :]
-        right = np.where(total > 0.05, -np.expm1(-total), 1.0)[..., None] / np.where((total > 0.05)[..., None], found, 1.0)
-        colour = _windows((weights @ segments.source)[..., 0, :] * right, np.exp(-total)[..., None], m)
-        # K = C tau / (1 - exp(-tau d)), and C / d in the limit.
-        slab_depth = (rate[:, None] * (prefix[m:] - prefix[:-m]))[..., None]
-        thick = slab_depth > 1e-9
-        opacity = np.where(thick, -np.expm1(-slab_depth), 1.0)
-        source = colour / lengths[:, None, None] * np.where(thick, slab_depth / opacity, 1.0)
-        low, high = np.arange(n - m), np.arange(m, n)
-        texels[1:, high, low, :3] = source[0]
-        texels[1:, low, high, :3] = source[1]
+    total = float(segments.total.sum())
+    # Diagonals from this one on have the whole function within MOST_DEPTH.
+    first = min(n, max(1, int(np.ceil(lengths.max() * total / segments.step / MOST_DEPTH))))
+    for m in range(1, first):
+        _fill_by_windows(texels, segments, lengths, m)
+    for m in range(first, n, DIAGONALS_AT_ONCE):
+        _fill_by_sums(texels, segments, lengths, np.arange(m, min(n, m + DIAGONALS_AT_ONCE)))
+
+
+def _mean_source(colour: FloatArray, depth: FloatArray, length: FloatArray) -> FloatArray:
+    """``K = C tau / (1 - exp(-tau d))``, and C / d in the limit; ``depth`` is tau d."""
+    thick = depth > 1e-9
+    return np.asarray(colour / length * np.where(thick, depth / np.where(thick, -np.expm1(-depth), 1.0), 1.0))
+
+
+def _put_right(found: FloatArray, known: FloatArray, depth: FloatArray) -> FloatArray:
+    """Factor for what Gauss nodes miss of a steep decay: the opacity of a segment is known."""
+    steep = depth > 0.05
+    return np.where(steep, known / np.where(steep, found, 1.0), 1.0)
+
+
+def _fill_by_sums(
+    texels: npt.NDArray[np.float32], segments: _Segments, lengths: FloatArray, diagonals: npt.NDArray[np.int64]
+) -> None:
+    """Fill diagonals together: light of a slab is a difference of running sums over the whole function.
+
+    With T the running integral of extinction, light from [s_i, s_j] towards s_i is exp(r T_i) (G_j - G_i) where G sums source
+    times exp(-r T), and r is path length per unit of value; towards s_j it is the same the other way round.
+    """
+    n = texels.shape[1]
+    running = np.concatenate([[0.0], np.cumsum(segments.total)])
+    at_nodes = running[:-1, None] + segments.depth
+    rate = lengths / (diagonals[:, None] * segments.step)  # (b, l)
+    which = np.repeat(np.arange(len(diagonals)), n - diagonals)
+    low = np.concatenate([np.arange(n - m) for m in diagonals])
+    high = low + diagonals[which]
+    depth = rate[which] * (running[high] - running[low])[:, None]
+    opacity = -np.expm1(-rate[:, :, None] * segments.total)
+    for layer_rows, layer_columns, start, towards in ((high, low, 0.0, -1.0), (low, high, running[-1], 1.0)):
+        through = np.exp(towards * rate[:, :, None, None] * (at_nodes - start))
+        weights = rate[:, :, None, None] * segments.weight * through
+        found = np.einsum("blkq,kq->blk", weights, segments.extinction[..., 0])
+        edge = running[:-1] if towards < 0 else running[1:]
+        known = np.exp(towards * rate[:, :, None] * (edge - start)) * opacity
+        light = np.einsum("blkq,kqc->blkc", weights, segments.source)
+        light *= _put_right(found, known, rate[:, :, None] * segments.total)[..., None]
+        sums = np.zeros((*rate.shape, n, 3))
+        np.cumsum(light, axis=2, out=sums[:, :, 1:])
+        here = low if towards < 0 else high
+        back = np.exp(-towards * rate[which] * (running[here] - start)[:, None])
+        colour = back[..., None] * (sums[which, :, high] - sums[which, :, low])
+        source = _mean_source(colour, depth[..., None], lengths[:, None])
+        texels[1:, layer_rows, layer_columns, :3] = source.transpose(1, 0, 2)
+
+
+def _fill_by_windows(texels: npt.NDArray[np.float32], segments: _Segments, lengths: FloatArray, m: int) -> None:
+    """Fill one diagonal (Lum, Wilson and Ma, section 4.2): segments are composited over all windows of m neighbours.
+
+    Windows are put together of windows whose sizes are powers of two; both directions and all lengths run side by side.
+    """
+    n = texels.shape[1]
+    rate = lengths / (m * segments.step)
+    depth = rate[:, None, None] * segments.depth
+    total = rate[:, None] * segments.total
+    upward = rate[:, None, None] * segments.weight * np.exp(-depth)
+    downward = rate[:, None, None] * segments.weight * np.exp(depth - total[..., None])
+    weights = np.stack([upward, downward])
+    found = np.einsum("dlkq,kq->dlk", weights, segments.extinction[..., 0])
+    light = np.einsum("dlkq,kqc->dlkc", weights, segments.source)
+    light *= _put_right(found, -np.expm1(-total), total)[..., None]
+    colour = _windows(light, np.exp(-total)[..., None], m)
+    running = np.concatenate([[0.0], np.cumsum(segments.total)])
+    slab_depth = (rate[:, None] * (running[m:] - running[:-m]))[..., None]
+    source = _mean_source(colour, slab_depth, lengths[:, None, None])
+    low, high = np.arange(n - m), np.arange(m, n)
+    texels[1:, high, low, :3] = source[0]
+    texels[1:, low, high, :3] = source[1]
 
 
 def _windows(colour: FloatArray, transmittance: FloatArray, size: int) -> FloatArray:

@@ -1,0 +1,51 @@
+"""Transfer functions: evaluation, steps, colours, plain data, and errors that name the point."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.errors import ValueRangeError
+from airlight.transfer import TransferFunction, linear_rgb, linear_to_srgb, srgb_to_linear
+
+
+def test_piecewise_linear_and_constant_beyond():
+    tf = TransferFunction([(0, (0, 0, 0), 0), (10, (1, 0.5, 0), 2)])
+    rgb, extinction = tf([-5, 2.5, 10, 99])
+    assert extinction.tolist() == [0, 0.5, 2, 2]
+    assert rgb[1].tolist() == [0.25, 0.125, 0]
+
+
+def test_two_points_at_one_value_are_a_step():
+    tf = TransferFunction([(0, "black", 0), (1, "black", 0), (1, "white", 3), (2, "white", 3)])
+    assert tf([np.nextafter(1, 0), 1.0])[1].tolist() == pytest.approx([0, 3])
+
+
+def test_words_are_srgb_and_tuples_linear():
+    assert linear_rgb("#808080") == pytest.approx((0.2158605,) * 3)
+    assert linear_rgb((0.5, 0.5, 0.5)) == (0.5, 0.5, 0.5)
+    levels = np.arange(256) / 255
+    assert linear_to_srgb(srgb_to_linear(levels)) == pytest.approx(levels, abs=1e-7)
+
+
+def test_round_trip_as_plain_data():
+    tf = TransferFunction([(0, "red", 0.1), (3.5, (0.1, 0.2, 0.3), 7)], associated=True)
+    assert TransferFunction.from_dict(tf.to_dict()) == tf
+    assert hash(TransferFunction.from_dict(tf.to_dict())) == hash(tf)
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        ([], r"transfer.points is empty"),
+        ([(0, "black", 0), (1, "black", -1)], r"points\[1\] has extinction -1.0"),
+        ([(0, "black", 0), (np.nan, "black", 1)], r"points\[1\] has value nan"),
+        ([(5, "black", 0), (1, "black", 1)], r"points\[1\] has value 1, below the 5 before it: sort the points"),
+        ([(0, "blak", 0)], r"points\[0\].colour is 'blak'"),
+        ([(0, (1, 2), 0)], r"points\[0\].colour is \(1, 2\)"),
+        ([(0, "black")], r"points\[0\] is \(0, 'black'\)"),
+    ],
+)
+def test_mistakes_name_the_point(points, message):
+    with pytest.raises(ValueRangeError, match=message):
+        TransferFunction(points)
