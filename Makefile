@@ -40,7 +40,9 @@ gallery: $(VENV)/.test $(VENV)/.adapter
 bench: $(VENV)/.bench $(VENV)/.adapter
 	@mkdir -p $(OUT)
 	$(BIN)/airlight bench -o $(OUT)/bench.json
-	@if [ -f benchmarks/compare.py ]; then $(BIN)/python benchmarks/compare.py; fi
+	$(BIN)/python benchmarks/throughput.py
+	$(BIN)/python benchmarks/cold_start.py
+	$(BIN)/python benchmarks/against_vtk.py
 
 fuzz: ready-test
 	$(BIN)/python -m pytest -n 2 -m fuzz

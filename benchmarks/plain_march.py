@@ -93,18 +93,20 @@ fn main(@builtin(global_invocation_id) id: vec3u) {{
 COMPOSITE = """
   var rgb = vec3f(0.0);
   var alpha = 0.0;
+  var front_medium = look_up(front);
   loop {
     let next = min(k * u.h, leave);
     let back = value_at(origin + next * direction);
-    let here = look_up(0.5 * (front + back));
-    let opacity = 1.0 - exp(-here.a * (next - t));
+    let medium = look_up(back);
+    let extinction = 0.5 * (front_medium.a + medium.a);
+    let opacity = 1.0 - exp(-extinction * (next - t));
     let weight = (1.0 - alpha) * opacity;
-    rgb += weight * here.rgb;
+    rgb += weight * (0.5 * (front_medium.rgb * front_medium.a + medium.rgb * medium.a) / max(extinction, 1e-20));
     alpha += weight;
     k += 1.0;
     count += 1.0;
     t = next;
-    front = back;
+    front_medium = medium;
     if (alpha >= u.opaque_at || next >= leave) { break; }
   }
   radiance[at] = vec4f(rgb, alpha);

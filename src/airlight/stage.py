@@ -254,7 +254,11 @@ SLOTS: dict[str, Slot] = {
         Slot(
             "transfer",
             {"medium": "fn(Sample) -> Medium", "classify": "fn(Sample, Sample, f32) -> Slab"},
-            {"next_crossing": "fn(Sample, Sample, f32) -> f32", "empty_slab": "fn(Sample, Sample) -> bool"},
+            {
+                "next_crossing": "fn(Sample, Sample, f32) -> f32",
+                "empty_slab": "fn(Sample, Sample) -> bool",
+                "classify_media": "fn(Medium, Medium, f32) -> Slab",
+            },
             per_layer=True,
             help="From values to colour and extinction, at a sample and over a slab.",
         ),

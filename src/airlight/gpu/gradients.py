@@ -14,6 +14,7 @@ from ..shader.program import (
     LayerUniforms,
     ProgramKey,
     SliceUniforms,
+    Switches,
     build_program,
     stage_key,
 )
@@ -46,7 +47,13 @@ def compute_gradients(
     textures.check_size(device, size)
     layer_key = (("field", stage_key(field, resources)), ("gradient", stage_key(method)))
     key = ProgramKey(
-        "passes/gradient_grid.wgsl", (), (layer_key,), ("gradients_out",), ("slice",), field.masked, False, False, device.traits
+        "passes/gradient_grid.wgsl",
+        (),
+        (layer_key,),
+        ("gradients_out",),
+        ("slice",),
+        Switches(has_empty=field.masked),
+        device.traits,
     )
     pipeline = compute.pipeline_of(device, build_program(key))
     usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.STORAGE_BINDING

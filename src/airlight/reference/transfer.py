@@ -27,16 +27,15 @@ def medium(setup: Setup, value: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 @np.errstate(under="ignore")
 def postclassified(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Classified:
-    """Classify a slab as a homogeneous medium, that of the mean of its two values."""
-    rgb, extinction = medium(setup, (front.value + back.value) / 2)
+    """Classify a slab as a homogeneous medium, the mean of the media at its two ends."""
+    extinction = (medium(setup, front.value)[1] + medium(setup, back.value)[1]) / 2
+    source = (setup.function.source(front.value) + setup.function.source(back.value)) / 2
     depth = extinction * length
     alpha = -np.expm1(-depth)
-    if not setup.function.associated:
-        return rgb * alpha[:, None], alpha
     # Length times the mean transmittance over the slab, which is 1 where nothing absorbs.
     absorbs = depth > 1e-30
     mean = np.where(absorbs, alpha / np.where(absorbs, depth, 1.0), 1.0)
-    return rgb * (length * mean)[:, None], alpha
+    return source * (length * mean)[:, None], alpha
 
 
 @np.errstate(under="ignore")

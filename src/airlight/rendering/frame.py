@@ -78,7 +78,7 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
     stages = visible[0].look.stages()
     scene_stages: dict[str, Stage] = {"driver": request.driver, "camera": scene.camera}  # type: ignore[dict-item]
     scene_stages |= {slot: stage for slot, stage in stages.items() if not SLOTS[slot].per_layer}
-    return MarchFrame(device, scene, scene_stages, layers, request.size_px, step_world, check, progress)
+    return MarchFrame(device, scene, scene_stages, layers, request.size_px, step_world, request.skip, check, progress)
 
 
 def drawn_layer(layer: Layer, step_world: float, size_px: tuple[int, int]) -> DrawnLayer:

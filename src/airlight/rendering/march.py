@@ -17,7 +17,16 @@ from ..gpu.device import Device
 from ..gpu.textures import Progress
 from ..gpu.tiles import Pace, Tile, run_tiles, tiles
 from ..scene import Scene
-from ..shader.program import LUMINANCE_SUMS, FrameUniforms, LuminanceUniforms, Program, ProgramKey, build_program, stage_key
+from ..shader.program import (
+    LUMINANCE_SUMS,
+    FrameUniforms,
+    LuminanceUniforms,
+    Program,
+    ProgramKey,
+    Switches,
+    build_program,
+    stage_key,
+)
 from ..stage import Resource, Stage
 from ..stages import tone as tones
 from .plan import Pass, check_plan
@@ -57,6 +66,7 @@ class MarchFrame:
     layers: tuple[DrawnLayer, ...]
     size_px: tuple[int, int]
     step_world: float
+    skip: str
     check: Callable[[], None]
     progress: Progress
     clock: Clock = field(default_factory=Clock)
@@ -80,10 +90,20 @@ def program_key(
     layers = tuple(
         tuple((slot, stage_key(stage, layer.resources[slot])) for slot, stage in layer.stages.items()) for layer in frame.layers
     )
-    has_empty = any(layer.field.masked for layer in frame.layers)
-    skips_empty = bool(getattr(frame.scene_stages["integrate"], "skips_empty", False))
-    classifies = bool(getattr(frame.scene_stages["integrate"], "classifies", True))
-    return ProgramKey(root, scene, layers, outputs, extra, has_empty, skips_empty, classifies, frame.device.traits)
+    return ProgramKey(root, scene, layers, outputs, extra, switches_of(frame), frame.device.traits)
+
+
+def switches_of(frame: MarchFrame) -> Switches:
+    """What the stages and the data say of each other, and a driver can make use of."""
+    integrate = frame.scene_stages["integrate"]
+    transfers = [layer.stages["transfer"] for layer in frame.layers]
+    has_stretches = any(layer.context.transfer.empty_stretches for layer in frame.layers)
+    return Switches(
+        has_empty=any(layer.field.masked for layer in frame.layers),
+        skips_empty=bool(getattr(integrate, "skips_empty", False)) and frame.skip != "none" and has_stretches,
+        classifies=bool(getattr(integrate, "classifies", True)),
+        carries_medium=all(getattr(transfer, "carries_medium", False) for transfer in transfers),
+    )
 
 
 def march_program(frame: MarchFrame) -> Program:
@@ -195,9 +215,7 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
 def _luminance(frame: MarchFrame, bands: list[_Band]) -> None:
     """Measure the log-average luminance; the sums of all bands are joined on the host in float64."""
     device = frame.device
-    program = build_program(
-        ProgramKey("passes/luminance.wgsl", (), (), ("radiance", "sums"), (), False, False, False, device.traits)
-    )
+    program = build_program(ProgramKey("passes/luminance.wgsl", (), (), ("radiance", "sums"), (), Switches(), device.traits))
     total = np.zeros(2)
     for band in bands:
         sums = compute.storage_buffer(device, "luminance sums", LUMINANCE_SUMS * 8)

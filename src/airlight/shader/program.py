@@ -6,6 +6,7 @@ struct, static fields as constants, textures and tables with their bindings. Bin
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -146,6 +147,20 @@ class StageKey:
 
 
 @dataclass(frozen=True)
+class Switches:
+    """Constants of ``generated::sizes``, in capitals, by which drivers leave out what a frame does not need.
+
+    ``has_empty``: fields may hold marked samples. ``skips_empty``: slabs that the transfer stage calls empty need not be taken.
+    ``classifies``: colour and opacity of slabs are looked at. ``carries_medium``: slabs follow from the media at their ends.
+    """
+
+    has_empty: bool = False
+    skips_empty: bool = False
+    classifies: bool = False
+    carries_medium: bool = False
+
+
+@dataclass(frozen=True)
 class ProgramKey:
     """What a program's text depends on; equal keys share text, module and pipeline."""
 
@@ -154,9 +169,7 @@ class ProgramKey:
     layers: tuple[tuple[tuple[str, StageKey], ...], ...]
     outputs: tuple[str, ...]
     extra: tuple[str, ...]
-    has_empty: bool
-    skips_empty: bool
-    classifies: bool
+    switches: Switches
     traits: Traits
 
     def __str__(self) -> str:
@@ -228,16 +241,15 @@ def build_program(key: ProgramKey) -> Program:
         build.names["pass", None, name] = build.bind(3, name, PASS_RESOURCES[name], kind)
     x, y = key.traits.workgroup
     constants = {"WORKGROUP_X": x, "WORKGROUP_Y": y, "LUMINANCE_SUMS": LUMINANCE_SUMS}
-    for name in ("Values", "HAS_EMPTY", "SKIPS_EMPTY", "CLASSIFIES", *constants):
+    switches = {name.upper(): str(value).lower() for name, value in dataclasses.asdict(key.switches).items()}
+    for name in ("Values", *switches, *constants):
         build.names["sizes", None, name] = name
     structs = {m.struct.name: m.struct for m in uniforms.members if m.struct}
     structs["LightRecord"] = class_struct(LightRecord, "LightRecord")
     text = "\n".join(
         [
             "alias Values = f32;",
-            f"const CLASSIFIES: bool = {str(key.classifies).lower()};",
-            f"const SKIPS_EMPTY: bool = {str(key.skips_empty).lower()};",
-            f"const HAS_EMPTY: bool = {str(key.has_empty).lower()};",
+            *(f"const {name}: bool = {value};" for name, value in switches.items()),
             *(f"const {name}: u32 = {value}u;" for name, value in constants.items()),
             *build.constants,
             *(struct.wgsl for struct in structs.values()),

@@ -34,9 +34,13 @@ class FunctionUniforms:
 
 
 class Transfer(Stage):
-    """Base of the transfer stages: the function itself as a table of (colour, extinction)."""
+    """Base of the transfer stages: the function itself as a table of (colour, extinction).
+
+    ``carries_medium`` tells that the media at both ends are all that a slab depends on, so that a march looks up one a sample.
+    """
 
     slot: ClassVar[str] = "transfer"
+    carries_medium: ClassVar[bool] = False
     uniform_type: ClassVar[type] = FunctionUniforms
 
     def uniforms(self, context: Context) -> FunctionUniforms:
@@ -79,9 +83,10 @@ def _source_and_extinction(function: TransferFunction, value: float, before: boo
 @register
 @dataclass(frozen=True)
 class PostClassified(Transfer):
-    """Interpolate values, then classify: a slab is a homogeneous medium, that of the mean of its two values."""
+    """Interpolate values, then classify: a slab is the mean of the media at its two ends."""
 
     name: ClassVar[str] = "postclassified"
+    carries_medium: ClassVar[bool] = True
     wgsl: ClassVar[str] = "transfer/postclassified.wgsl"
 
 

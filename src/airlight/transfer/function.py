@@ -89,8 +89,10 @@ class TransferFunction:
         last = -np.inf
         for value, is_full in zip(self.values, full, strict=True):
             if is_full:
-                if low is not None and last > low:
-                    found.append((low, last))
+                # A step holds at its very value, so the stretch before it ends just below it.
+                end = float(np.nextafter(np.float32(last), np.float32(-np.inf))) if value == last else last
+                if low is not None and end > low:
+                    found.append((low, end))
                 low = None
             elif low is None:
                 low = float(value)

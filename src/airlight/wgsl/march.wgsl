@@ -4,13 +4,13 @@ import generated::frame::frame;
 import generated::layer::layer;
 import generated::driver::OFFSETS;
 import generated::pass::{radiance, depth};
-import generated::sizes::{CLASSIFIES, HAS_EMPTY, SKIPS_EMPTY, WORKGROUP_X, WORKGROUP_Y};
+import generated::sizes::{CARRIES_MEDIUM, CLASSIFIES, HAS_EMPTY, SKIPS_EMPTY, WORKGROUP_X, WORKGROUP_Y};
 import package::empty::is_empty;
 import package::ray::{Ray, INFINITE};
 import package::sample::{Sample, Slab, Medium, Result};
 import slot::camera::eye_ray;
 import slot::field::{locate, field_value};
-import slot::transfer::{medium, classify, empty_slab};
+import slot::transfer::{medium, classify, classify_media, empty_slab};
 import slot::lighting::light_slab;
 import slot::integrate::{Accumulated, begin, take, finish, surface};
 import slot::tone::tone;
@@ -34,6 +34,8 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
   let h = frame.step_world;
   var acc = begin();
   var front = fetch(ray, index_ray, span.x);
+  var front_medium = NO_MEDIUM;
+  if (CARRIES_MEDIUM) { front_medium = medium(front); }
   var k = floor(span.x / h - offset) + 1.0;
   *samples = 1.0;
   loop {
@@ -45,6 +47,7 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
       k += 1.0;
       if (!SKIPS_EMPTY || next.t_world >= span.y || !empty_slab(front, next)) { break; }
       front = next;
+      front_medium = NO_MEDIUM;
     }
     var back = next;
     var length = max(next.t_world - front.t_world, 0.0);
@@ -67,7 +70,13 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
     }
     var slab = Slab(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0);
     var lit_rgb = vec3f(0.0);
-    if (CLASSIFIES) { slab = classify(front, back, length); }
+    if (CLASSIFIES && !CARRIES_MEDIUM) { slab = classify(front, back, length); }
+    if (CLASSIFIES && CARRIES_MEDIUM) {
+      if (HAS_EMPTY) { front_medium = medium(front); }
+      let back_medium = medium(back);
+      slab = classify_media(front_medium, back_medium, length);
+      front_medium = back_medium;
+    }
     if (CLASSIFIES && (slab.alpha > 0.0 || any(slab.front_rgb + slab.back_rgb > vec3f(0.0)))) {
       lit_rgb = light_slab(front, back, slab, ray);
     }
@@ -81,6 +90,8 @@ fn select_sample(one: Sample, other: Sample, takes_other: bool) -> Sample {
   if (takes_other) { return other; }
   return one;
 }
+
+const NO_MEDIUM = Medium(vec3f(0.0), 0.0);
 
 // A surface inside a slab: the sample there, as a slab without length.
 fn take_surface(

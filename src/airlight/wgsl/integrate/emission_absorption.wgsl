@@ -4,20 +4,26 @@ import generated::emission_absorption::params;
 import package::ray::INFINITE;
 import package::sample::{Sample, Slab, Result};
 
-struct Accumulated { rgb: vec3f, alpha: f32, t_half: f32 }
+// The slab in which opacity passes one half is kept, and looked into once, at the end.
+struct Accumulated { rgb: vec3f, alpha: f32, t_world: f32, length: f32, through: f32, slab_alpha: f32 }
 
-fn begin() -> Accumulated { return Accumulated(vec3f(0.0), 0.0, INFINITE); }
+fn begin() -> Accumulated { return Accumulated(vec3f(0.0), 0.0, INFINITE, 0.0, 1.0, 0.5); }
 
 fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab, lit_rgb: vec3f, length: f32) -> bool {
   let through = 1.0 - (*acc).alpha;
+  let alpha = (*acc).alpha + through * slab.alpha;
+  let passes = through > 0.5 && alpha >= 0.5;
   (*acc).rgb += through * lit_rgb;
-  (*acc).alpha += through * slab.alpha;
-  if (through > 0.5 && (*acc).alpha >= 0.5) {
-    // Within the slab opacity grows as in a homogeneous medium.
-    let share = log(0.5 / through) / log(max(1.0 - slab.alpha, 1e-30));
-    (*acc).t_half = front.t_world + saturate(share) * length;
-  }
-  return (*acc).alpha >= params.opaque_at;
+  (*acc).alpha = alpha;
+  (*acc).t_world = select((*acc).t_world, front.t_world, passes);
+  (*acc).length = select((*acc).length, length, passes);
+  (*acc).through = select((*acc).through, through, passes);
+  (*acc).slab_alpha = select((*acc).slab_alpha, slab.alpha, passes);
+  return alpha >= params.opaque_at;
 }
 
-fn finish(acc: Accumulated) -> Result { return Result(acc.rgb, acc.alpha, acc.t_half); }
+// Within the slab opacity grows as in a homogeneous medium.
+fn finish(acc: Accumulated) -> Result {
+  let share = saturate(log(0.5 / acc.through) / log(max(1.0 - acc.slab_alpha, 1e-30)));
+  return Result(acc.rgb, acc.alpha, select(acc.t_world + share * acc.length, INFINITE, acc.t_world >= INFINITE));
+}
