@@ -75,13 +75,13 @@ class Sample:
     def __getitem__(self, rows: BoolArray | IntArray) -> Sample:
         return Sample(self.value[rows], self.empty[rows], self.p_index[rows], self.p_world[rows], self.t_world[rows])
 
-    def middle(self, other: Sample) -> Sample:
-        """Return the points half-way to ``other``, with the mean of both values."""
+    def towards(self, other: Sample, share: float) -> Sample:
+        """Return the points at a share of the way to ``other``, with values in between."""
 
-        def mean(name: str) -> FloatArray:
-            return np.asarray((getattr(self, name) + getattr(other, name)) / 2)
+        def mix(name: str) -> FloatArray:
+            return np.asarray((1 - share) * getattr(self, name) + share * getattr(other, name))
 
-        return Sample(mean("value"), self.empty & other.empty, mean("p_index"), mean("p_world"), mean("t_world"))
+        return Sample(mix("value"), self.empty & other.empty, mix("p_index"), mix("p_world"), mix("t_world"))
 
     def where_empty_take(self, other: Sample) -> Sample:
         """Return the samples with the empty ones replaced by those of ``other``."""

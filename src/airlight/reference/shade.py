@@ -78,8 +78,19 @@ def unlit(setup: Setup, slab: Slab, to_eye: FloatArray) -> FloatArray:
 
 def sampled(setup: Setup, slab: Slab, to_eye: FloatArray) -> FloatArray:
     """Light slabs that are not empty in their middle."""
+    return _lit_at(setup, slab, to_eye, 0.5)
+
+
+def supersampled(setup: Setup, slab: Slab, to_eye: FloatArray) -> FloatArray:
+    """Light slabs that are not empty at the two nodes of Gauss' rule."""
+    nodes = 0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)
+    return np.asarray(sum(_lit_at(setup, slab, to_eye, share) for share in nodes) / 2)
+
+
+def _lit_at(setup: Setup, slab: Slab, to_eye: FloatArray, share: float) -> FloatArray:
+    """Light slabs as they are lit at one place, given as a share of their length."""
     rows = np.nonzero((slab.alpha > 0) | (slab.rgb > 0).any(axis=1))[0]
-    rgb, point = slab.rgb.copy(), slab.front[rows].middle(slab.back[rows])
+    rgb, point = slab.rgb.copy(), slab.front[rows].towards(slab.back[rows], share)
     lit = SHADES[setup.stages["shade"].name](setup, point, field_gradient(setup, point.p_index), to_eye[rows])
     rgb[rows] = rgb[rows] * lit.diffuse + slab.alpha[rows, None] * lit.specular
     return rgb
@@ -100,4 +111,8 @@ def _unit(vectors: FloatArray) -> FloatArray:
 
 SHADES: dict[str, Callable[[Setup, Sample, FloatArray, FloatArray], Lit]] = {"none": none, "blinn_phong": blinn_phong}
 VISIBILITIES: dict[str, Callable[[Setup, int | None, FloatArray], FloatArray]] = {"none": no_occlusion}
-LIGHTINGS: dict[str, Callable[[Setup, Slab, FloatArray], FloatArray]] = {"unlit": unlit, "sampled": sampled}
+LIGHTINGS: dict[str, Callable[[Setup, Slab, FloatArray], FloatArray]] = {
+    "unlit": unlit,
+    "sampled": sampled,
+    "supersampled": supersampled,
+}

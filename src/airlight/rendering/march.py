@@ -101,6 +101,7 @@ def switches_of(frame: MarchFrame) -> Switches:
     return Switches(
         has_empty=any(layer.field.masked for layer in frame.layers),
         skips_empty=bool(getattr(integrate, "skips_empty", False)) and frame.skip != "none" and has_stretches,
+        surfaces_only=bool(getattr(integrate, "surfaces_only", False)),
         classifies=bool(getattr(integrate, "classifies", True)),
         carries_medium=all(getattr(transfer, "carries_medium", False) for transfer in transfers),
     )

@@ -151,11 +151,13 @@ class Switches:
     """Constants of ``generated::sizes``, in capitals, by which drivers leave out what a frame does not need.
 
     ``has_empty``: fields may hold marked samples. ``skips_empty``: slabs that the transfer stage calls empty need not be taken.
-    ``classifies``: colour and opacity of slabs are looked at. ``carries_medium``: slabs follow from the media at their ends.
+    ``surfaces_only``: slabs without a surface need not be taken. ``classifies``: colour and opacity of slabs are looked at.
+    ``carries_medium``: slabs follow from the media at their ends.
     """
 
     has_empty: bool = False
     skips_empty: bool = False
+    surfaces_only: bool = False
     classifies: bool = False
     carries_medium: bool = False
 

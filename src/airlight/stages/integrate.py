@@ -11,14 +11,15 @@ from ..stage import F32, Context, Stage, param, register
 class Integrate(Stage):
     """Base of the integrate stages.
 
-    ``uses_slabs`` tells whether colour is lit at all; ``classifies`` whether ``take`` looks at colour and opacity of slabs,
-    or at surfaces and values alone; ``skips_empty`` whether empty slabs leave the result as it is.
+    ``uses_slabs`` tells whether colour is lit at all; ``classifies`` whether ``take`` looks at colour and opacity of slabs;
+    ``skips_empty`` whether empty slabs leave the result as it is, ``surfaces_only`` whether all slabs without a surface do.
     """
 
     slot: ClassVar[str] = "integrate"
     uses_slabs: ClassVar[bool] = False
     classifies: ClassVar[bool] = False
     skips_empty: ClassVar[bool] = False
+    surfaces_only: ClassVar[bool] = False
 
 
 @register
@@ -81,6 +82,7 @@ class FirstHit(Integrate):
 
     name: ClassVar[str] = "first_hit"
     wgsl: ClassVar[str] = "integrate/first_hit.wgsl"
+    surfaces_only: ClassVar[bool] = True
     uniform_type: ClassVar[type] = FirstHitUniforms
     uses_slabs: ClassVar[bool] = True
     iso: F32 | None = param(None, unit="data", help="value of the surface")

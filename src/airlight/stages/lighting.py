@@ -26,3 +26,16 @@ class Sampled(Stage):
     slot: ClassVar[str] = "lighting"
     name: ClassVar[str] = "sampled"
     wgsl: ClassVar[str] = "lighting/sampled.wgsl"
+
+
+@register
+@dataclass(frozen=True)
+class Supersampled(Stage):
+    """At two places of the slab, the nodes of Gauss' rule: smoother where normals turn within a slab, at twice the price.
+
+    Lum, Wilson and Ma, section 2.1, after Roettger et al. 2003.
+    """
+
+    slot: ClassVar[str] = "lighting"
+    name: ClassVar[str] = "supersampled"
+    wgsl: ClassVar[str] = "lighting/supersampled.wgsl"

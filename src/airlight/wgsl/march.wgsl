@@ -4,7 +4,7 @@ import generated::frame::frame;
 import generated::layer::layer;
 import generated::driver::OFFSETS;
 import generated::pass::{radiance, depth};
-import generated::sizes::{CARRIES_MEDIUM, CLASSIFIES, HAS_EMPTY, SKIPS_EMPTY, WORKGROUP_X, WORKGROUP_Y};
+import generated::sizes::{CARRIES_MEDIUM, CLASSIFIES, HAS_EMPTY, SKIPS_EMPTY, SURFACES_ONLY, WORKGROUP_X, WORKGROUP_Y};
 import package::empty::is_empty;
 import package::ray::{Ray, INFINITE};
 import package::sample::{Sample, Slab, Medium, Result};
@@ -39,13 +39,13 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
   var k = floor(span.x / h - offset) + 1.0;
   *samples = 1.0;
   loop {
-    // Walk on to the next slab that holds something. A loop of its own: wide processors run the rest for all rays at once.
+    // Walk on to the next slab that matters. A loop of its own: wide processors run the rest for all rays at once.
     var next: Sample;
     loop {
       next = fetch(ray, index_ray, min((k + offset) * h, span.y));
       *samples += 1.0;
       k += 1.0;
-      if (!SKIPS_EMPTY || next.t_world >= span.y || !empty_slab(front, next)) { break; }
+      if (next.t_world >= span.y || !is_idle(front, next)) { break; }
       front = next;
       front_medium = NO_MEDIUM;
     }
@@ -84,6 +84,12 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
     front = next;
   }
   return finish(acc);
+}
+
+// Whether a slab leaves the result as it is, told from its two samples alone.
+fn is_idle(front: Sample, next: Sample) -> bool {
+  if (SURFACES_ONLY) { return surface(front, next) > 1.0; }
+  return SKIPS_EMPTY && empty_slab(front, next);
 }
 
 fn select_sample(one: Sample, other: Sample, takes_other: bool) -> Sample {

@@ -1,0 +1,22 @@
+// A slab lit as it is lit at one place inside it.
+
+import package::ray::Ray;
+import package::sample::{Sample, Slab};
+import slot::field::locate;
+import slot::gradient::field_gradient;
+import slot::shade::light;
+
+// `share` is 0 at the front, 1 at the back.
+fn lit_at(front: Sample, back: Sample, share: f32, slab: Slab, ray: Ray) -> vec3f {
+  let p_index = mix(front.p_index, back.p_index, share);
+  let here = Sample(
+    mix(front.value, back.value, share),
+    field_gradient(locate(p_index)),
+    p_index,
+    mix(front.p_world, back.p_world, share),
+    mix(front.t_world, back.t_world, share),
+  );
+  let normal = -here.gradient / max(length(here.gradient), 1e-30);
+  let lit = light(here, normal, -ray.direction_world);
+  return (slab.front_rgb + slab.back_rgb) * lit.diffuse + (slab.front_specular + slab.back_specular) * lit.specular;
+}
