@@ -16,6 +16,10 @@ import airlight.io
 from airlight import scene_file, stages  # noqa: F401
 from airlight.errors import AirlightError, DataError, FileError, ValueRangeError
 from airlight.scene import VIEWS, Camera, Layer, Light, Look, Scene
+from airlight.scene_file import reading
+from airlight.scene_file.options import SKIP
+from airlight.scene_file.table import Table
+from airlight.scene_file.values import _alternatives
 from airlight.stage import STAGES, Stage, stage_fields
 from airlight.transfer import TransferFunction
 from airlight.volume import Source, Volume
@@ -57,7 +61,7 @@ colours = st.tuples(*[st.floats(0, 100)] * 3)
 def values_of(draw: st.DrawFn, bounds: Any, hint: Any) -> Any:
     if bounds.choices:
         return draw(st.sampled_from(bounds.choices))
-    kinds = scene_file._alternatives(hint)
+    kinds = _alternatives(hint)
     if type(None) in kinds and draw(st.booleans()):
         return None
     kind = next(k for k in kinds if k is not type(None))
@@ -164,7 +168,7 @@ def test_scenes_load_back_equal(scene: Scene, tmp_path_factory: pytest.TempPathF
 @given(
     size=st.tuples(st.integers(1, 4096), st.integers(1, 4096)),
     step=st.floats(0.01, 10),
-    skip=st.sampled_from(scene_file.SKIP),
+    skip=st.sampled_from(SKIP),
     driver=st.just("march") | stages_of("driver"),
 )
 @settings(max_examples=20, deadline=None)
@@ -337,16 +341,16 @@ def test_a_missing_file(tmp_path: Path) -> None:
     )
 )
 def test_any_data_is_a_scene_or_a_clear_error(data: Any) -> None:
-    root = scene_file._Table(data if isinstance(data, dict) else {"layers": data}, (), "x.toml", "")
-    original = scene_file._parsed
-    scene_file._parsed = lambda path: root  # type: ignore[assignment]
+    root = Table(data if isinstance(data, dict) else {"layers": data}, (), "x.toml", "")
+    original = reading.parsed
+    reading.parsed = lambda path: root  # type: ignore[assignment]
     message = "x.toml"
     try:
         scene_file.load_scene("x.toml")
     except AirlightError as error:
         message = str(error)
     finally:
-        scene_file._parsed = original
+        reading.parsed = original
     assert message.startswith("x.toml")
 
 

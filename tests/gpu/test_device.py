@@ -6,6 +6,7 @@ import gc
 import os
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ import airlight as al
 from airlight.gpu import device as devices
 from airlight.gpu import textures
 from airlight.gpu.device import DeviceInfo
+from airlight.gpu.thread import Cancelled
 
 TF = al.TransferFunction([(0, "black", 0), (1, "white", 1)])
 
@@ -154,3 +156,27 @@ def test_importing_the_package_is_light():
     code = f"import sys, airlight; print(*[m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)
     assert done.stdout.strip() == ""
+
+
+def test_a_newer_frame_of_a_view_ends_the_older_between_tiles(own_renderer):
+    """The old frame would take minutes; it is given up at the next tile."""
+    volume = al.Volume(np.random.default_rng(0).random((48, 48, 48), dtype=np.float32))
+    scene = al.Scene(volume, transfer=TF.scaled(1e-3), look=al.Look(shade="none"))
+    tiles = threading.Event()
+    old = own_renderer.submit(
+        scene, (2000, 2000), step=0.002, view="a", progress=lambda what, *_: tiles.set() if what == "render" else None
+    )
+    assert tiles.wait(60)
+    new = own_renderer.submit(scene, (8, 8), view="a")
+    assert new.result(60).rgba.shape == (8, 8, 4)
+    with pytest.raises(Cancelled):
+        old.result(1)
+
+
+def test_closing_a_renderer_twice_is_fine():
+    made = al.Renderer()
+    made.render(small(), (4, 4))
+    made.close()
+    made.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        made.render(small(), (4, 4))

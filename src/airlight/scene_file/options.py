@@ -1,0 +1,82 @@
+"""What a scene file may say of how it is drawn."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypedDict, get_args, get_origin
+
+from ..stage import Stage
+from .table import Table
+from .values import stage_from_values
+
+FORMAT = 1
+SKIP = ("auto", "none", "blocks", "geometry")
+RECIPE: dict[str, Any] = {
+    "dataset": str,
+    "level": int,
+    "shape": tuple[int, ...],
+    "dtype": str,
+    "spacing": tuple[float, float, float],
+    "offset": int,
+    "big_endian": bool,
+}
+
+
+class RenderOptions(TypedDict, total=False):
+    """What the optional table ``[render]`` holds; the keyword arguments of ``airlight.render``."""
+
+    size: tuple[int, int]
+    driver: str | Stage
+    step: float
+    tolerance: float
+    skip: str
+
+
+def checked_options(table: Table) -> RenderOptions:
+    """Options of the ``[render]`` table, checked."""
+    options = RenderOptions()
+    hints: dict[str, Any] = {"size": tuple[int, int], "step": float, "tolerance": float, "skip": str}
+    for key, hint in hints.items():
+        if key not in table.data:
+            continue
+        value = table.take(key, hint, None)
+        if key == "skip" and value not in SKIP:
+            raise table.error(key, f"is {value!r}, must be one of {', '.join(SKIP)}")
+        if key == "size" and min(value) < 1:
+            raise table.error(key, f"is {value}, must be two whole numbers of at least 1")
+        if key in ("step", "tolerance") and not (math.isfinite(value) and value > 0):
+            raise table.error(key, f"is {value}, must be finite and above 0")
+        options[key] = value  # type: ignore[literal-required]
+    if "driver" in table.data:
+        driver = stage_in(table, "driver", "driver")
+        name = table.data["driver"]
+        options["driver"] = name if isinstance(name, str) else driver
+    table.taken |= {*hints, "driver"}
+    table.close()
+    return options
+
+
+def recipe_of(table: Table) -> dict[str, Any]:
+    """What a table says of how its file is to be read."""
+    return {key: table.take(key, hint, None) for key, hint in RECIPE.items() if key in table.data}
+
+
+def recipe_value(key: str, text: str) -> Any:
+    """Value of what a reader noted as text."""
+    hint = RECIPE.get(key, str)
+    if get_origin(hint) is tuple:
+        return [get_args(hint)[0](word) for word in text.split()]
+    return text == "true" if hint is bool else hint(text)
+
+
+def stage_in(table: Table, key: str, slot: str) -> Stage:
+    """Stage that a table names, with its parameters."""
+    table.taken.add(key)
+    value = table.data[key]
+    if not isinstance(value, (str, dict)) or (isinstance(value, dict) and not isinstance(value.get("name"), str)):
+        raise table.error(
+            key, f"is {value!r}, must be a name or a table with a name", 'e.g. { name = "blinn_phong", ambient = 0.2 }'
+        )
+    name, values = (value, {}) if isinstance(value, str) else (value["name"], {k: v for k, v in value.items() if k != "name"})
+    with table.located(key):
+        return stage_from_values(slot, name, values, slot)

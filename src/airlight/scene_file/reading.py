@@ -1,0 +1,146 @@
+"""Scenes out of TOML, transfer functions out of TOML and JSON."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..scene import VIEWS, Camera, Layer, Light, Look, Scene
+from ..transfer import TransferFunction
+from ..volume import Volume
+from .options import FORMAT, RenderOptions, checked_options, recipe_of, stage_in
+from .table import Table, parsed
+
+
+def load_scene(
+    path: str | Path,
+    *,
+    max_memory: int | None = None,
+    untrusted: bool = False,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> tuple[Scene, RenderOptions]:
+    """Read a scene and the options of its ``[render]`` table; the other arguments are those of ``airlight.open``.
+
+    Raises
+    ------
+    FileError
+        When the file is missing or is no TOML.
+    ValueRangeError
+        For unknown keys, wrong types, values out of range and unknown stages; the message names file, line and key.
+    """
+    from ..io import open as open_volume
+
+    path = Path(path)
+    root = parsed(path)
+    folder = path.absolute().parent
+    limits: dict[str, Any] = {"untrusted": untrusted, "progress": progress}
+    if max_memory is not None:
+        limits["max_memory"] = max_memory
+    opened: dict[tuple[Any, ...], Volume] = {}
+
+    def volume(table: Table) -> Volume:
+        """One object for one recipe: what lies on the device is found by identity."""
+        recipe = {"file": table.take("file", str, None), **recipe_of(table)}
+        if not recipe["file"]:
+            raise table.error("file", "is missing", "name a file")
+        key = tuple(recipe.items())
+        if key not in opened:
+            file = os.path.abspath(folder / recipe.pop("file"))
+            with table.located("file"):
+                opened[key] = open_volume(file, **recipe, **limits)
+        return opened[key]
+
+    version = root.take("format", int, FORMAT)
+    if version != FORMAT:
+        raise root.error("format", f"is {version}, this version reads {FORMAT}", "use a newer airlight")
+    background = root.take("background", str | tuple[float, float, float], (0.0, 0.0, 0.0))
+    lights = [_light(table) for table in root.tables("lights")] if "lights" in root.data else None
+    layers = [_layer(table, volume) for table in root.tables("layers")]
+    camera = _camera(root)
+    options = checked_options(root.table("render"))
+    root.close()
+    with root.located():
+        none = background == "none"
+        return Scene(layers=layers, camera=camera, lights=lights, background=None if none else background), options
+
+
+def load_transfer(path: str | Path) -> TransferFunction:
+    """Transfer function in a TOML or JSON file with ``points`` and, optionally, ``associated``."""
+    path = Path(path)
+    return _transfer(parsed(path))
+
+
+def _layer(table: Table, volume: Callable[[Table], Volume]) -> Layer:
+    volumes = {}
+    for key in ("volume", "labels"):
+        if isinstance(table.data.get(key), str):
+            table.taken.add(key)
+            volumes[key] = volume(Table({"file": table.data[key]}, (*table.place, key), table.file, table.text))
+        elif key in table.data:
+            inner = table.table(key)
+            volumes[key] = volume(inner)
+            inner.close()
+    if "volume" not in volumes:
+        raise table.error("volume", "is missing", "name a file")
+    look = table.table("look")
+    chosen = {slot: stage_in(look, slot, slot) for slot in Look.__dataclass_fields__ if slot in look.data}
+    look.taken |= set(Look.__dataclass_fields__)
+    look.close()
+    function = _transfer(table.table("transfer")) if "transfer" in table.data else None
+    visible, density = table.take("visible", bool, True), table.take("density", float, 1.0)
+    channel, time = table.take("channel", int | str, 0), table.take("time", int, 0)
+    table.taken |= {"volume", "labels", "transfer"}
+    table.close()
+    with table.located():
+        return Layer(volumes["volume"], function, Look(**chosen), volumes.get("labels"), visible, density, channel, time)
+
+
+def _transfer(table: Table) -> TransferFunction:
+    table.taken |= {"points", "associated"}
+    table.close()
+    associated = table.take("associated", bool, False)
+    points = table.data.get("points", [])
+    if not isinstance(points, list) or not all(isinstance(p, list) for p in points):
+        raise table.error("points", f"is {points!r}", "write [[value, colour, extinction], ...]")
+    with table.located("points"):
+        return TransferFunction([tuple(p) for p in points], associated)
+
+
+def _camera(root: Table) -> Camera | str:
+    root.taken.add("camera")
+    value = root.data.get("camera", "front")
+    if isinstance(value, str):
+        if value not in VIEWS:
+            raise root.error("camera", f"is {value!r}, must be a table or one of {', '.join(VIEWS)}")
+        return value
+    camera = stage_in(root, "camera", "camera")
+    assert isinstance(camera, Camera)
+    return camera
+
+
+def _light(table: Table) -> Light:
+    kind = table.take("kind", str, None)
+    if kind not in ("head", "directional", "point"):
+        raise table.error("kind", f"is {kind!r}, must be one of head, directional, point")
+    common: dict[str, Any] = {
+        "color": table.take("color", str | tuple[float, float, float], (1.0, 1.0, 1.0)),
+        "intensity": table.take("intensity", float, 1.0),
+    }
+    vector = tuple[float, float, float]
+    with table.located():
+        if kind == "head":
+            light = Light.head(**common)
+        elif kind == "point":
+            position, radius = table.take("position", vector, None), table.take("radius", float | None, None)
+            light = Light.point(position=position, radius=radius, **common)
+        else:
+            to_light = table.take("to_light", vector, None)
+            light = Light.directional(to_light=to_light, **common)
+            if abs(math.hypot(*to_light) - 1) < 1e-14:  # so that a saved light loads back equal
+                light = dataclasses.replace(light, vector=to_light)
+    table.close()
+    return light

@@ -1,0 +1,167 @@
+"""Scenes to plain data and TOML."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import DataError
+from ..scene import Layer, Light, Look, Scene
+from ..stage import STAGES, Stage, stage_fields
+from ..volume import Volume
+from .options import FORMAT, checked_options, recipe_value
+from .table import Table
+
+
+def save_scene(
+    scene: Scene, path: str | Path, *, render: Mapping[str, Any] | None = None, embed: str | Path | None = None
+) -> None:
+    """Write a scene to a TOML file; volumes are named by their paths, relative to it.
+
+    Parameters
+    ----------
+    scene
+        What to write.
+    path
+        The file; it appears whole or not at all.
+    render
+        Options for the table ``[render]``: size, driver, step, tolerance, skip.
+    embed
+        Where volumes that came from no file are written, as NRRD; the second gets ``-2`` behind its name, and so on.
+
+    Raises
+    ------
+    DataError
+        When a volume came from no file and ``embed`` is not given, or a parameter is nothing that TOML can hold.
+    ValueRangeError
+        When ``render`` holds unknown options or wrong values.
+    """
+    import tomli_w
+
+    from ..io.paths import replacing
+
+    path = Path(path)
+    options = _plain(dict(render or {}), "render")
+    checked_options(Table(options, ("render",), ""))
+    namer = _VolumeNamer(path.absolute().parent, None if embed is None else Path(embed))
+    data: dict[str, Any] = {
+        "format": FORMAT,
+        "background": "none" if scene.background is None else list(scene.background),
+        "camera": scene.camera if isinstance(scene.camera, str) else _stage_data(scene.camera),
+        "lights": [_light_data(light) for light in scene.lights],
+        "layers": [_layer_data(layer, f"layers[{n}]", namer) for n, layer in enumerate(scene.layers)],
+    }
+    if options:
+        data["render"] = options
+    with replacing(path) as temporary:
+        temporary.write_text(_short_lists_in_line(tomli_w.dumps(data)), encoding="utf-8")
+
+
+# -- from values to plain data
+
+
+@dataclasses.dataclass
+class _VolumeNamer:
+    """Names volumes by file, relative to the scene's folder; writes those that have none."""
+
+    folder: Path
+    embed: Path | None
+    written: dict[int, dict[str, Any]] = dataclasses.field(default_factory=dict)
+
+    def __call__(self, volume: Volume, where: str) -> str | dict[str, Any]:
+        data = self._embedded(volume, where) if volume.source is None else self._named(volume)
+        return data["file"] if len(data) == 1 else data
+
+    def _named(self, volume: Volume) -> dict[str, Any]:
+        source = volume.source
+        assert source is not None
+        data: dict[str, Any] = {"file": self._relative(source.path)}
+        data |= {"dataset": source.dataset} if source.dataset else {}
+        data |= {"level": source.level} if source.level else {}
+        return data | {key: recipe_value(key, text) for key, text in source.options}
+
+    def _embedded(self, volume: Volume, where: str) -> dict[str, Any]:
+        from ..io import save
+
+        if id(volume) not in self.written:
+            if self.embed is None:
+                raise DataError(f"{where} came", "from no file", "give embed=PATH.nrrd to write it beside the scene")
+            number = len(self.written) + 1
+            path = self.embed.with_suffix(".nrrd")
+            path = path if number == 1 else path.with_stem(f"{path.stem}-{number}")
+            save(volume, path)
+            self.written[id(volume)] = {"file": self._relative(str(path))}
+        return self.written[id(volume)]
+
+    def _relative(self, path: str) -> str:
+        try:
+            return Path(os.path.relpath(os.path.abspath(path), self.folder)).as_posix()
+        except ValueError:  # another drive
+            return Path(path).absolute().as_posix()
+
+
+def _layer_data(layer: Layer, where: str, namer: _VolumeNamer) -> dict[str, Any]:
+    data: dict[str, Any] = {"volume": namer(layer.volume, f"{where}.volume")}
+    if layer.labels is not None:
+        data["labels"] = namer(layer.labels, f"{where}.labels")
+    data |= {"visible": layer.visible, "density": float(layer.density), "channel": layer.channel, "time": layer.time}
+    if layer.transfer is not None:
+        data["transfer"] = layer.transfer.to_dict()
+    data["look"] = {slot: _stage_data(getattr(layer.look, slot)) for slot in Look.__dataclass_fields__}
+    return data
+
+
+def _stage_data(stage: Stage) -> dict[str, Any] | str:
+    """Name and all parameters, so that the picture stays the same when a default changes; a name alone where there is none."""
+    known = STAGES[stage.slot].get(stage.name)
+    if known is not type(stage):
+        raise DataError(f"{stage.slot}.{stage.name}", "is no registered stage", "al.register its class, then save")
+    data: dict[str, Any] = {}
+    for field in stage_fields(type(stage)):
+        value = getattr(stage, field.name)
+        if value is not None:
+            data[field.name] = _plain(value, f"{stage.slot}.{stage.name}.{field.name}")
+        elif field.default is not None:
+            data[field.name] = "none"
+    return {"name": stage.name} | data if data or stage.slot == "camera" else stage.name
+
+
+def _light_data(light: Light) -> dict[str, Any]:
+    data: dict[str, Any] = {"kind": light.kind}
+    if light.kind != "head":
+        data["to_light" if light.kind == "directional" else "position"] = _plain(light.vector, "light")
+    data |= {"color": _plain(light.colour, "light"), "intensity": float(light.intensity)}
+    return data | ({} if light.radius is None else {"radius": float(light.radius)})
+
+
+def _plain(value: Any, where: str) -> Any:
+    """What TOML can hold."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        value = value.tolist()
+    if isinstance(value, (bool, int, str, float)):
+        return value
+    if isinstance(value, (list, tuple)):
+        return [_plain(v, where) for v in value]
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v, where) for k, v in value.items()}
+    if isinstance(value, Stage):
+        return _stage_data(value)
+    raise DataError(where, f"is {value!r}", "a scene file holds numbers, words and lists")
+
+
+def _short_lists_in_line(text: str) -> str:
+    """Write vectors and control points on one line each; tomli_w gives every number a line of its own."""
+    scalar = r"[^\[\]\n]*"
+    for item in (scalar, rf"{scalar}(?:\[{scalar}\]{scalar})*"):
+        text = re.sub(rf"\[\n(?: {item},\n)+ *\]", _in_line, text)
+    return text
+
+
+def _in_line(match: re.Match[str]) -> str:
+    return "[" + ", ".join(re.split(r",\n *", match[0][1:-1].strip().removesuffix(","))) + "]"
