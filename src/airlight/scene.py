@@ -224,8 +224,8 @@ class Scene:
             raise DataError("scene", "needs either a volume or layers", "pass one of them")
         if layers is None:
             layers = [Layer(volume, transfer, look or Look(), channel=channel, time=time)]
-        elif transfer is not None or look is not None:
-            raise DataError("scene", "got layers beside transfer or look", "give these to the layers")
+        elif transfer is not None or look is not None or channel != 0 or time != 0:
+            raise DataError("scene", "got layers beside transfer, look, channel or time", "give these to the layers")
         if isinstance(camera, str) and camera not in VIEWS:
             raise ValueRangeError("scene.camera", f"is {camera!r}, must be a Camera or one of {', '.join(VIEWS)}")
         object.__setattr__(self, "layers", tuple(layers))

@@ -92,7 +92,9 @@ class Volume:
         if world_from_index is not None and (spacing is not None or origin is not None):
             raise DataError(where, "got both world_from_index and spacing or origin", "give one of them")
         if world_from_index is None:
-            world_from_index = affine(spacing or (1.0, 1.0, 1.0), origin or (0.0, 0.0, 0.0), where)
+            world_from_index = affine(
+                (1.0, 1.0, 1.0) if spacing is None else spacing, (0.0, 0.0, 0.0) if origin is None else origin, where
+            )
         self.array: AnyArray = data
         self.world_from_index: FloatArray = _checked_affine(world_from_index, where)
         self.units, self.value_unit, self.time_unit = units, value_unit, time_unit
@@ -258,7 +260,7 @@ class Statistics:
         return float(np.interp(percent / 100 * cumulative[-1], cumulative, self.edges))
 
 
-_STATISTICS: WeakKeyDictionary[_Key, dict[tuple[int, int], Statistics]] = WeakKeyDictionary()
+_STATISTICS: WeakKeyDictionary[_Key, dict[tuple[int, int, int], Statistics]] = WeakKeyDictionary()
 
 
 class _Key:
@@ -271,10 +273,10 @@ def statistics(volume: Volume, channel: int | str = 0, time: int = 0, bins: int 
     Integers of up to 16 bits get bins of whole values, so that no bin covers more values than its neighbour.
     """
     key: _Key = volume.__dict__.setdefault("_statistics_key", _Key())
-    slot = (volume.channel_index(channel), time)
+    slot = (volume.channel_index(channel), time, bins)
     cache = _STATISTICS.setdefault(key, {})
     if slot not in cache:
-        cache[slot] = _statistics(volume.grid(*slot), volume.no_data, bins)
+        cache[slot] = _statistics(volume.grid(*slot[:2]), volume.no_data, bins)
     return cache[slot]
 
 
@@ -284,11 +286,20 @@ def is_empty(grid: AnyArray, no_data: float | None) -> npt.NDArray[np.bool_] | N
     if grid.dtype.kind == "f":
         mask = ~np.isfinite(grid)
     if no_data is not None and np.isfinite(no_data):
-        marked = np.asarray(grid == np.asarray(no_data, dtype=np.float64).astype(grid.dtype, copy=False))
-        if grid.dtype.kind != "f" and float(int(no_data)) != float(no_data):
-            marked = np.zeros(grid.shape, dtype=bool)
+        marked = _marked(grid, no_data)
         mask = marked if mask is None else mask | marked
     return mask if mask is not None and bool(mask.any()) else None
+
+
+def _marked(grid: AnyArray, no_data: float) -> npt.NDArray[np.bool_]:
+    """Where integers equal a whole number that their type holds, or floats equal the number as their type holds it."""
+    if grid.dtype.kind == "f":
+        with np.errstate(over="ignore"):
+            return np.asarray(grid == np.float64(no_data).astype(grid.dtype))
+    low, high = (0, 1) if grid.dtype.kind == "b" else (np.iinfo(grid.dtype).min, np.iinfo(grid.dtype).max)
+    if no_data != int(no_data) or not low <= int(no_data) <= high:
+        return np.zeros(grid.shape, dtype=bool)
+    return np.asarray(grid == grid.dtype.type(int(no_data)))
 
 
 def _statistics(grid: AnyArray, no_data: float | None, bins: int) -> Statistics:
@@ -300,11 +311,12 @@ def _statistics(grid: AnyArray, no_data: float | None, bins: int) -> Statistics:
     if values.dtype == bool:
         values = values.view(np.uint8)
     low, high = float(values.min()), float(values.max())
+    whole_low = int(values.min()) if values.dtype.kind in "iu" else 0
     if values.dtype.kind in "iu" and high - low < 65536:
         whole = np.bincount(
-            (values.ravel().astype(np.int64) - int(low))
+            (values.ravel().astype(np.int64) - whole_low)
             if values.dtype.itemsize > 2
-            else np.subtract(values.ravel(), int(low), dtype=np.int32)
+            else np.subtract(values.ravel(), whole_low, dtype=np.int32)
         )
         width = max(1, -(-len(whole) // bins))
         padded = np.zeros(-(-len(whole) // width) * width, dtype=np.int64)
@@ -359,7 +371,7 @@ def _checked_array(array: Any, where: str) -> AnyArray:
         raise DataError(where, f"is complex ({data.dtype})", "pass abs(array) or np.angle(array)")
     if data.dtype.kind not in "biuf" or data.dtype.itemsize > 8:
         raise DataError(where, f"has dtype {data.dtype}", "use bool, integers, float16, float32 or float64")
-    if data.ndim == 4 and data.shape[-1] in (3, 4) and data.dtype.itemsize == 1 and min(data.shape[:3]) > data.shape[-1]:
+    if data.ndim == 4 and data.shape[-1] in (3, 4) and min(data.shape[:3]) > data.shape[-1]:
         raise DataError(where, f"has shape {data.shape}, colours last", "pass np.moveaxis(array, -1, 0) to draw the channels")
     if data.ndim not in AXES:
         raise DataError(where, f"has {data.ndim} dimensions", f"pass one of {', '.join(AXES.values())}")

@@ -63,7 +63,11 @@ def resolve(scene: Scene, size_px: tuple[int, int]) -> Scene:
     )
     camera = scene.camera
     if isinstance(camera, str):
-        corners = [c for layer in scene.visible_layers or scene.layers for c in layer.volume.corners_world()]
+        corners = [
+            c
+            for layer in scene.visible_layers or scene.layers
+            for c in layer.volume.corners_world(cells=getattr(layer.look.field, "cells", False))
+        ]
         camera = fit_camera(camera, corners, size_px[0] / size_px[1])
     return dataclasses.replace(scene, layers=layers, camera=camera)
 

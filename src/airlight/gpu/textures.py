@@ -59,9 +59,9 @@ def choose_encoding(dtype: np.dtype[Any], low: float, high: float, *, filtered: 
     if dtype == np.float16:
         return Encoding("r16float", "f2", 1.0, 0.0)
     if float32:
-        middle = 0.0 if dtype == np.float32 or max(abs(low), abs(high)) < 2**24 else (low + high) / 2
-        exact = dtype == np.float32 or (dtype.kind in "iu" and high - low < 2**24)
-        return Encoding("r32float", "f4", 1.0, middle, 0.0 if exact else max(high - low, abs(high)) * 2.0**-24)
+        largest = max(abs(low), abs(high))
+        exact = dtype == np.float32 or (dtype.kind in "iu" and largest <= 2**24)
+        return Encoding("r32float", "f4", 1.0, 0.0, 0.0 if exact else largest * 2.0**-24)
     # Half floats are densest around zero: centre the range there. Whole numbers up to 2048 stay exact.
     middle = float(np.round((low + high) / 2)) if dtype.kind in "iu" else (low + high) / 2
     reach = max(high - middle, middle - low)

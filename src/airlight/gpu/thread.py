@@ -8,14 +8,14 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 T = TypeVar("T")
 
 
-class Cancelled(Exception):  # noqa: N818 - it ends work, it is no error
+class Cancelled(CancelledError):  # noqa: N818 - it ends work, it is no error
     """Raised inside work that is not wanted any more."""
 
 

@@ -48,6 +48,7 @@ class FrameUniforms:
     band_rows: U32 = param(1, unit="px")
     step_world: F32 = param(1.0, unit="world")
     light_count: U32 = param(0)
+    t_offset_world: F32 = param(0.0, unit="world")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +64,7 @@ class LayerUniforms:
     value_scale: F32 = param(1.0, unit="data")
     value_offset: F32 = param(0.0, unit="data")
     gradient_scale: F32 = param(1.0, unit="data/world")
-    axes: U32 = param(3)
+    neighbours: U32 = param(9)
 
 
 @dataclass(frozen=True)
@@ -150,13 +151,15 @@ class StageKey:
 class Switches:
     """Constants of ``generated::sizes``, in capitals, by which drivers leave out what a frame does not need.
 
-    ``has_empty``: fields may hold marked samples. ``skips_empty``: slabs that the transfer stage calls empty need not be taken.
+    ``has_empty``: fields may hold marked samples. ``skips_empty``: slabs that the transfer stage calls empty need not be taken;
+    ``masks_empty``: they are taken, as nothing.
     ``surfaces_only``: slabs without a surface need not be taken. ``classifies``: colour and opacity of slabs are looked at.
     ``carries_medium``: slabs follow from the media at their ends.
     """
 
     has_empty: bool = False
     skips_empty: bool = False
+    masks_empty: bool = False
     surfaces_only: bool = False
     classifies: bool = False
     carries_medium: bool = False

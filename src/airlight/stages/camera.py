@@ -21,7 +21,6 @@ class CameraFrame:
     forward: Vec3f = param((0.0, 0.0, 1.0), unit="1")
     right: Vec3f = param((1.0, 0.0, 0.0), unit="world")
     up: Vec3f = param((0.0, 1.0, 0.0), unit="world")
-    near: F32 = param(0.0, unit="world")
 
 
 class Camera(Stage):

@@ -28,13 +28,13 @@ class NoShade(Shade):
 
 @dataclass(frozen=True)
 class BlinnPhongUniforms:
-    """Blinn-Phong with the gradient threshold resolved."""
+    """Blinn-Phong with the gradient threshold resolved, as its inverse."""
 
     ambient: F32 = param(0.0)
     diffuse: F32 = param(0.0)
     specular: F32 = param(0.0)
     shininess: F32 = param(0.0)
-    gradient_threshold: F32 = param(0.0, unit="data/world")
+    per_threshold: F32 = param(1e30, unit="world/data")
     two_sided: Bool = param(True)
 
 
@@ -65,7 +65,8 @@ class BlinnPhong(Shade):
         threshold = self.gradient_threshold
         if threshold is None:
             threshold = automatic_threshold(context)
-        return BlinnPhongUniforms(self.ambient, self.diffuse, self.specular, self.shininess, threshold, self.two_sided)
+        per_threshold = min(1.0 / threshold, 1e36) if threshold > 0 else 1e36
+        return BlinnPhongUniforms(self.ambient, self.diffuse, self.specular, self.shininess, per_threshold, self.two_sided)
 
 
 def automatic_threshold(context: Context) -> float:

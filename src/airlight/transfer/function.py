@@ -71,8 +71,10 @@ class TransferFunction:
 
     @cached_property
     def half_extinction_value(self) -> float:
-        """Least value at which extinction reaches half of its maximum."""
+        """Least value at which extinction reaches half of its maximum; beyond all values where there is no extinction."""
         half = self.extinctions.max() / 2
+        if half == 0:
+            return float(np.finfo(np.float32).max)
         last = int(np.argmax(self.extinctions >= half))
         if last == 0 or self.extinctions[last] == self.extinctions[last - 1]:
             return float(self.values[last])

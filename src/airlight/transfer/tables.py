@@ -46,11 +46,12 @@ class ValueTable:
 
 
 def value_axis(function: TransferFunction) -> tuple[float, float]:
-    """First and last value of the tables' axes; a function of one value gets an axis of width one around it."""
+    """First and last value of the tables' axes; a function of one value gets a narrow axis round it."""
     first, last = function.domain
     if last > first:
         return first, last
-    return first - 0.5, last + 0.5
+    width = 1e-3 * abs(first) or 1e-6
+    return first - width / 2, last + width / 2
 
 
 def entries_needed(function: TransferFunction, least: int, most: int) -> int:

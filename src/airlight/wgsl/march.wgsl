@@ -4,7 +4,7 @@ import generated::frame::frame;
 import generated::layer::layer;
 import generated::driver::OFFSETS;
 import generated::pass::{radiance, depth};
-import generated::sizes::{CARRIES_MEDIUM, CLASSIFIES, HAS_EMPTY, SKIPS_EMPTY, SURFACES_ONLY, WORKGROUP_X, WORKGROUP_Y};
+import generated::sizes::{CARRIES_MEDIUM, CLASSIFIES, HAS_EMPTY, MASKS_EMPTY, SKIPS_EMPTY, SURFACES_ONLY, WORKGROUP_X, WORKGROUP_Y};
 import package::empty::is_empty;
 import package::ray::{Ray, INFINITE};
 import package::sample::{Sample, Slab, Medium, Result};
@@ -24,7 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
   let result = march(eye_ray(p_px), offset_of(pixel), &samples);
   let at = (pixel.y - frame.band_first_row) * frame.size_px.x + pixel.x;
   radiance[at] = vec4f(tone(result.rgb, p_px), result.alpha);
-  depth[at] = vec2f(result.t_world, samples);
+  depth[at] = vec2f(result.t_world + frame.t_offset_world, samples);
 }
 
 fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
@@ -38,6 +38,7 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
   if (CARRIES_MEDIUM) { front_medium = medium(front); }
   var k = floor(span.x / h - offset) + 1.0;
   *samples = 1.0;
+  var ended = false;
   loop {
     // Walk on to the next slab that matters. A loop of its own: wide processors run the rest for all rays at once.
     var next: Sample;
@@ -55,7 +56,8 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
       // Where one end is empty, half of the slab is there, with the sample of the other end.
       let gaps = vec2<bool>(is_empty(front.value), is_empty(next.value));
       if (all(gaps)) {
-        if (next.t_world >= span.y) { break; }
+        ended = next.t_world >= span.y;
+        if (ended) { break; }
         front = next;
         continue;
       }
@@ -66,9 +68,10 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
     let share = surface(front, back);
     if (share <= 1.0) {
       take_surface(&acc, ray, index_ray, front, back, share);
+      ended = true;
       break;
     }
-    var slab = Slab(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0);
+    var slab = NO_SLAB;
     var lit_rgb = vec3f(0.0);
     if (CLASSIFIES && !CARRIES_MEDIUM) { slab = classify(front, back, length); }
     if (CLASSIFIES && CARRIES_MEDIUM) {
@@ -77,12 +80,16 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
       slab = classify_media(front_medium, back_medium, length);
       front_medium = back_medium;
     }
+    if (MASKS_EMPTY && empty_slab(front, back)) { slab = NO_SLAB; }
     if (CLASSIFIES && (slab.alpha > 0.0 || any(slab.front_rgb + slab.back_rgb > vec3f(0.0)))) {
       lit_rgb = light_slab(front, back, slab, ray);
     }
-    if (take(&acc, front, back, slab, lit_rgb, length) || next.t_world >= span.y) { break; }
+    ended = take(&acc, front, back, slab, lit_rgb, length) || next.t_world >= span.y;
+    if (ended) { break; }
     front = next;
   }
+  // A driver may end a loop after a number of turns of its own: the host must know.
+  if (!ended) { *samples = -*samples; }
   return finish(acc);
 }
 
@@ -97,6 +104,7 @@ fn select_sample(one: Sample, other: Sample, takes_other: bool) -> Sample {
   return one;
 }
 
+const NO_SLAB = Slab(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0);
 const NO_MEDIUM = Medium(vec3f(0.0), 0.0);
 
 // A surface inside a slab: the sample there, as a slab without length.
@@ -131,7 +139,7 @@ fn domain_span(ray: IndexRay) -> vec2f {
   let origin = ray.origin_index;
   let direction = ray.direction_index;
   // A ray along a face has no direction across it: it is outside, or it is held by the other faces.
-  let across = abs(direction) < vec3f(1e-12);
+  let across = abs(direction) <= vec3f(1e-7 * max(abs(direction.x), max(abs(direction.y), abs(direction.z))));
   let outside = across & ((origin < layer.domain_low) | (origin > layer.domain_high));
   if (any(outside)) { return vec2f(0.0); }
   let rate = select(direction, vec3f(1.0), across);

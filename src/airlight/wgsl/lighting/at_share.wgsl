@@ -16,7 +16,10 @@ fn lit_at(front: Sample, back: Sample, share: f32, slab: Slab, ray: Ray) -> vec3
     mix(front.p_world, back.p_world, share),
     mix(front.t_world, back.t_world, share),
   );
-  let normal = -here.gradient / max(length(here.gradient), 1e-30);
+  // Scaled first, since squares of very large and very small gradients do not fit into 32 bits.
+  let steepest = max(abs(here.gradient.x), max(abs(here.gradient.y), abs(here.gradient.z)));
+  let scaled = here.gradient / max(steepest, 1e-37);
+  let normal = -scaled / max(length(scaled), 1e-3);
   let lit = light(here, normal, -ray.direction_world);
   return (slab.front_rgb + slab.back_rgb) * lit.diffuse + (slab.front_specular + slab.back_specular) * lit.specular;
 }

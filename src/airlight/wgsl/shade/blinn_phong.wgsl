@@ -9,7 +9,8 @@ import slot::visibility::{visibility, ambient_visibility};
 
 fn light(here: Sample, normal: vec3f, to_eye: vec3f) -> Lit {
   var lit = Lit(vec3f(params.ambient * ambient_visibility(here.p_world)), vec3f(0.0));
-  if (dot(here.gradient, here.gradient) <= params.gradient_threshold * params.gradient_threshold) { return lit; }
+  let steepness = here.gradient * params.per_threshold;
+  if (dot(steepness, steepness) <= 1.0) { return lit; }
   for (var i = 0u; i < frame.light_count; i++) {
     let from_light = arriving(lights[i], here.p_world, to_eye);
     let radiance = from_light.rgb * visibility(i, here.p_world);

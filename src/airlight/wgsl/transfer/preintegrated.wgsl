@@ -14,9 +14,9 @@ fn empty_slab(front: Sample, back: Sample) -> bool { return is_empty_between(fro
 fn classify(front: Sample, back: Sample, length: f32) -> Slab {
   let s_front = clamp(front.value, params.first_value, params.last_value);
   let s_back = clamp(back.value, params.first_value, params.last_value);
-  let per_value = length / max(abs(back.value - front.value), 1e-30);
-  let before = select(0.0, abs(s_front - front.value) * per_value, s_front != s_back);
-  let after = select(0.0, abs(back.value - s_back) * per_value, s_front != s_back);
+  let per_value = select(0.0, length / abs(back.value - front.value), s_front != s_back);
+  let before = abs(s_front - front.value) * per_value;
+  let after = abs(back.value - s_back) * per_value;
   let inside = slab_between(s_front, s_back, max(length - before - after, 0.0));
   return over(beyond(front.value, before), over(inside, beyond(back.value, after)));
 }
