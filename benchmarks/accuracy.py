@@ -38,7 +38,7 @@ def main(argv: list[str] | None = None) -> int:
     started, rows, adapter = time.time(), [], None
     with al.Renderer() as renderer:
         for name, scene in cases(options.quick):
-            if options.only in name:
+            if options.only in name and shows_something(renderer, scene, (options.size, options.size)):
                 found, adapter = compare(renderer, scene, (options.size, options.size), options.pixels)
                 for transfer, row in found.items():
                     rows.append({"case": f"{name}, {transfer}"} | row)
@@ -96,6 +96,11 @@ def cameras(volume: al.Volume) -> dict[str, al.Camera]:
         "perspective": near,
         "orthographic": al.Camera.orthographic(eye=near.eye, target=near.target, up=near.up, height=height),
     }
+
+
+def shows_something(renderer: al.Renderer, scene: al.Scene, size: tuple[int, int]) -> bool:
+    """Whether there is anything to compare: a cropped or computed volume may hold nothing of what a function shows."""
+    return bool((renderer.render(scene, size).rgba[..., 3] > 0).any())
 
 
 def compare(

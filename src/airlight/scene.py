@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -173,12 +174,15 @@ class Layer:
 
     def __post_init__(self) -> None:
         """Make a volume of what was given and check the numbers."""
+        if isinstance(self.volume, (str, os.PathLike)):
+            raise DataError("scene", f"got the path {str(self.volume)!r}", "pass airlight.open(path)")
         if not isinstance(self.volume, Volume):
             object.__setattr__(self, "volume", Volume(self.volume))
         if not (math.isfinite(self.density) and self.density >= 0):
             raise ValueRangeError("layer.density", f"is {self.density}, must be finite and at least 0")
         if self.transfer is not None and not isinstance(self.transfer, TransferFunction):
-            raise DataError("layer.transfer", f"is a {type(self.transfer).__name__}", "pass an airlight.TransferFunction")
+            found = f"is a {type(self.transfer).__name__}"
+            raise DataError("layer.transfer", found, "pass a TransferFunction, or presets.get(name, volume)")
         if not isinstance(self.look, Look):
             raise DataError("layer.look", f"is a {type(self.look).__name__}", "pass an airlight.Look")
         self.volume.grid(self.channel, self.time)
@@ -232,6 +236,9 @@ class Scene:
         object.__setattr__(self, "camera", camera)
         object.__setattr__(self, "lights", (Light.head(),) if lights is None else tuple(lights))
         object.__setattr__(self, "background", None if background is None else linear_rgb(background, "scene.background"))
+        for light in self.lights:
+            if not isinstance(light, Light):
+                raise DataError("scene.lights", f"holds {light!r}", "make lights with Light.head(), .directional() or .point()")
         if not self.layers:
             raise DataError("scene.layers", "is empty", "pass at least one Layer")
 

@@ -7,10 +7,11 @@ file and one function of the reference; the command line, the viewer, parity tes
 from __future__ import annotations
 
 import dataclasses
+import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, get_args, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -167,9 +168,13 @@ class Stage:
     reads: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
-        """Check every parameter against its bounds."""
+        """Check every parameter against its type and its bounds."""
+        hints = _hints(type(self))
         for field in stage_fields(type(self)):
             value, bounds = getattr(self, field.name), field.metadata["bounds"]
+            kind = _kind_of(hints[field.name])
+            if kind and not (value is None and _is_optional(hints[field.name])) and not _fits(value, kind):
+                raise ValueRangeError(f"{self.slot}.{self.name}.{field.name}", f"is {value!r}, must be {_KINDS[kind]}")
             if not bounds.allows(value):
                 raise ValueRangeError(f"{self.slot}.{self.name}.{field.name}", f"is {value!r}, {bounds}")
 
@@ -184,6 +189,49 @@ class Stage:
     def statics(self) -> dict[str, Any]:
         """Return the fields that are part of the program's key."""
         return {f.name: getattr(self, f.name) for f in stage_fields(type(self)) if f.metadata["kind"] == "static"}
+
+
+_KINDS = {
+    "f32": "a number",
+    "u32": "a whole number of at least 0",
+    "i32": "a whole number",
+    "vec2f": "two numbers",
+    "vec3f": "three numbers",
+    "vec4f": "four numbers",
+}
+
+
+_HINTS: dict[type, dict[str, Any]] = {}
+
+
+def _hints(cls: type) -> dict[str, Any]:
+    if cls not in _HINTS:
+        _HINTS[cls] = get_type_hints(cls, include_extras=True)
+    return _HINTS[cls]
+
+
+def _kind_of(hint: Any) -> str:
+    """WGSL type that an annotation carries, alone or beside None; empty for those that are not checked here."""
+    for part in (hint, *get_args(hint)):
+        for note in getattr(part, "__metadata__", ()):
+            if note in _KINDS:
+                return str(note)
+    return ""
+
+
+def _is_optional(hint: Any) -> bool:
+    return type(None) in get_args(hint)
+
+
+def _fits(value: Any, kind: str) -> bool:
+    """Whether a value can be packed as a WGSL type."""
+    if kind.startswith("vec"):
+        return np.shape(value) == (int(kind[3]),) and all(isinstance(v, numbers.Real) for v in value)
+    if kind == "f32":
+        return isinstance(value, numbers.Real) and not isinstance(value, bool)
+    if isinstance(value, bool):
+        return kind == "u32"
+    return isinstance(value, numbers.Integral) and (kind == "i32" or int(value) >= 0)
 
 
 StageType = TypeVar("StageType", bound=type[Stage])

@@ -17,4 +17,6 @@ class Drawn(list[tuple[Scene, tuple[int, int], dict[str, Any]]]):
         arguments.pop("progress")
         self.append((scene, size, arguments))
         stats = {"adapter": {"name": "none"}, "samples": np.int64(3), "milliseconds": {"total": 1.0}}
-        return Image(np.zeros((size[1], size[0], 4), np.float32), np.zeros((size[1], size[0]), np.float32), (0, 0, 0), stats)
+        return Image(
+            np.full((size[1], size[0], 4), 0.5, np.float32), np.zeros((size[1], size[0]), np.float32), (0, 0, 0), stats
+        )

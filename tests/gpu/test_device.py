@@ -178,5 +178,5 @@ def test_closing_a_renderer_twice_is_fine():
     made.render(small(), (4, 4))
     made.close()
     made.close()
-    with pytest.raises(RuntimeError, match="closed"):
+    with pytest.raises(al.DeviceError, match="renderer is closed"):
         made.render(small(), (4, 4))

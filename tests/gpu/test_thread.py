@@ -7,6 +7,7 @@ from concurrent.futures import CancelledError
 
 import pytest
 
+from airlight.errors import DeviceError
 from airlight.gpu.thread import Cancelled, RenderThread
 
 
@@ -99,5 +100,5 @@ def test_close_runs_the_last_work_and_is_idempotent():
     thread.close(lambda: last.append(threading.current_thread().name))
     thread.close()
     assert last == ["airlight-render"]
-    with pytest.raises(RuntimeError, match="closed"):
+    with pytest.raises(DeviceError, match="renderer is closed: make a new one"):
         thread.submit(lambda job: None)

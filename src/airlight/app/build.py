@@ -147,9 +147,16 @@ def _with_look(layer: Layer, look: LookOptions, stages: dict[str, Stage]) -> Lay
     if look.time is not None:
         changes["time"] = look.time
     channel, time = changes.get("channel", layer.channel), changes.get("time", layer.time)
+    projects = "integrate" in stages and stages["integrate"].name in PROJECTIONS
+    if look.preset is not None and projects:
+        raise ValueRangeError(
+            "--preset",
+            "is for opacity, and projections show values",
+            "leave it out: they run from black to white, or give --tf",
+        )
     if look.preset is not None:
         changes["transfer"] = presets.get(look.preset, layer.volume, channel, time)
-    elif "integrate" in stages and stages["integrate"].name in PROJECTIONS:
+    elif projects:
         changes["transfer"] = projection_transfer(layer.volume, channel, time)
     return dataclasses.replace(layer, **changes) if changes else layer
 

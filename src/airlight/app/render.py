@@ -2,12 +2,16 @@
 
 import json
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from cyclopts import Parameter
 
 from ..errors import FileError
+from ..scene import VIEWS, Scene
+from ..volume import statistics
 from .build import make_job
 from .options import DrawOptions, LookOptions, ReadOptions, ViewOptions
 from .progress import ProgressBar
@@ -64,17 +68,33 @@ def render(
         from .. import api
 
         image = api.render(job.scene, job.size, device=draw.device, progress=progress, **job.arguments)
-    if save_scene is not None:
-        from ..scene_file import save_scene as write_scene
-
-        write_scene(job.scene, save_scene, render={"size": job.size} | job.arguments)
+    if stats != "-":
+        for note in notes(job.scene, image, chosen=view is None or view.camera is None):
+            print(f"note: {note}", file=sys.stderr)
     if output == "-":
         sys.stdout.buffer.write(image.png())
         sys.stdout.buffer.flush()
     else:
         image.save(output)
+    if save_scene is not None:
+        from ..scene_file import save_scene as write_scene
+
+        write_scene(job.scene, save_scene, render={"size": job.size} | job.arguments)
     if stats is not None:
         write_stats(image.stats, stats)
+
+
+def notes(scene: Scene, image: Any, chosen: bool) -> Iterator[str]:
+    """Tell what a user might not expect of a picture: a view that was chosen against the file's axes, and an empty one."""
+    layer = scene.layers[0]
+    if chosen and layer.volume.anatomical and not isinstance(scene.camera, str):
+        to_eye = np.subtract(scene.camera.eye, scene.camera.target)
+        seen = max(VIEWS, key=lambda view: float(np.dot(to_eye, VIEWS[view][0]) / np.linalg.norm(VIEWS[view][0])))
+        if seen not in ("front", "iso"):
+            yield f"by the file's axes this is the {seen} view, chosen from the data; --camera chooses another"
+    if not image.rgba.any():
+        known = statistics(layer.volume, layer.channel, layer.time)
+        yield f"nothing is visible: the data run from {known.minimum:g} to {known.maximum:g}; see --tf, --preset and --camera"
 
 
 def check_output(output: str) -> None:

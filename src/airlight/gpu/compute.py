@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -110,16 +110,15 @@ def dispatch(device: Device, pipeline: Pipeline, groups: list[Any], counts: tupl
     device.queue.submit([encoder.finish()])
 
 
-def buffer(device: Device, name: str, size: int, usage: int) -> Any:
+def buffer(device: Device, name: Hashable, size: int, usage: int) -> Any:
     """Buffer of at least a size, kept by name for the next frame."""
-    key = ("buffer", name)
-    kept = device.kept.get(key)
+    kept = device.kept.get(name)
     if kept is None or kept.size < size or kept.size > 4 * size:
-        device.kept[key] = kept = device.gpu.create_buffer(size=-(-size // 16) * 16, usage=usage)
+        device.kept[name] = kept = device.gpu.create_buffer(size=-(-size // 16) * 16, usage=usage)
     return kept
 
 
-def storage_buffer(device: Device, name: str, size: int) -> Any:
+def storage_buffer(device: Device, name: Hashable, size: int) -> Any:
     """Buffer that passes write and the host reads back."""
     usage = wgpu.BufferUsage
     return buffer(device, name, size, usage.STORAGE | usage.COPY_SRC | usage.COPY_DST)

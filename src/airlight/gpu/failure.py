@@ -26,7 +26,7 @@ def device_failures(info: DeviceInfo, drop: Callable[[], None]) -> Iterator[None
     where = f"device {info.name!r}"
     try:
         yield
-    except (AirlightError, Cancelled):
+    except (AirlightError, Cancelled, RecursionError, NotImplementedError):
         raise
     except (wgpu.GPUOutOfMemoryError, MemoryError) as error:
         drop()

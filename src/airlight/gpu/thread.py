@@ -12,6 +12,8 @@ from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
+from ..errors import DeviceError
+
 T = TypeVar("T")
 
 
@@ -38,6 +40,15 @@ class Job(Generic[T]):
         self.future.cancel()
 
 
+def _settle(job: Job[Any]) -> None:
+    try:
+        result = job.work(job)
+    except BaseException as error:
+        job.future.set_exception(error)
+    else:
+        job.future.set_result(result)
+
+
 class RenderThread:
     """One daemon thread with a fair queue."""
 
@@ -54,7 +65,7 @@ class RenderThread:
         job: Job[T] = Job(work)
         with self._wake:
             if self._closed:
-                raise RuntimeError("the render thread is closed")
+                raise DeviceError("renderer", "is closed", "make a new one")
             if view is not None:
                 self._give_up(view)
             self._views.setdefault(view, []).append(job)
@@ -67,7 +78,7 @@ class RenderThread:
             self._give_up(view)
             self._views.pop(view, None)
 
-    def close(self, last: Callable[[], None] | None = None) -> None:
+    def close(self, last: Callable[[], None] | None = None, wait: bool = True) -> None:
         """Give up what waits, run ``last`` on the thread and end it. Idempotent."""
         with self._wake:
             if not self._closed:
@@ -77,7 +88,7 @@ class RenderThread:
                 self._last = last
             self._closed = True
             self._wake.notify()
-        if threading.current_thread() is not self._thread:
+        if wait and threading.current_thread() is not self._thread:
             self._thread.join(timeout=60)
 
     def _give_up(self, view: Hashable) -> None:
@@ -103,16 +114,13 @@ class RenderThread:
     def _run(self) -> None:
         while (turn := self._next()) is not None:
             _, job = turn
-            if job.cancelled.is_set() or not job.future.set_running_or_notify_cancel():
-                continue
             try:
-                result = job.work(job)
-            except BaseException as error:
-                job.future.set_exception(error)
-            else:
-                job.future.set_result(result)
+                if not job.cancelled.is_set() and job.future.set_running_or_notify_cancel():
+                    _settle(job)
             finally:
-                self._running = None
+                with self._wake:
+                    self._running = None
+                # The thread keeps no scene and no image while it waits.
                 del job, turn
         if self._last is not None:
             self._last()

@@ -41,8 +41,11 @@ class Pace:
 def tiles(width: int, first_row: int, rows: int, pace: Pace) -> Iterator[Tile]:
     """Cover rows of an image with tiles of the pace's size: whole rows, or parts of one where a row takes too long."""
     y = first_row
+    # Begin small and at most double: what is drawn first may be the background.
+    most = FIRST_TILE_PIXELS
     while y < first_row + rows:
-        pixels = pace.pixels()
+        pixels = min(pace.pixels(), most)
+        most = 2 * pixels
         if pixels >= width:
             height = min(pixels // width, first_row + rows - y)
             yield Tile(0, y, width, height)
@@ -50,7 +53,7 @@ def tiles(width: int, first_row: int, rows: int, pace: Pace) -> Iterator[Tile]:
             continue
         x = 0
         while x < width:
-            part = min(max(pace.pixels(), 64), width - x)
+            part = min(max(pace.pixels(), 64), FIRST_TILE_PIXELS, width - x)
             yield Tile(x, y, part, 1)
             x += part
         y += 1

@@ -47,6 +47,8 @@ def numbered(pattern: str, number: int, key: str) -> str:
 @contextlib.contextmanager
 def replacing(path: Path, suffix: str = "") -> Iterator[Path]:
     """A new name beside ``path`` to write to; it takes the place of ``path`` once the block ends without an error."""
+    if not path.absolute().parent.is_dir():
+        raise FileError(str(path), "cannot be written, its folder is not there", f"make {path.parent}")
     temporary = path.with_name(f".airlight-{secrets.token_hex(8)}{suffix or path.suffix}")
     try:
         yield temporary

@@ -12,11 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import LimitError, StageError
 from ..gpu import compute
 from ..gpu.device import Device
 from ..gpu.textures import Progress
 from ..gpu.tiles import Pace, Tile, run_tiles, tiles
 from ..scene import Scene
+from ..shader.link import parse, stage_source
 from ..shader.program import (
     LUMINANCE_SUMS,
     FrameUniforms,
@@ -29,10 +31,12 @@ from ..shader.program import (
 )
 from ..stage import Resource, Stage
 from ..stages import tone as tones
+from ..volume import FloatArray
 from .plan import Pass, check_plan
 from .resources import DrawnLayer, bound_resources, pack_lights, pack_uniforms, uniform_values
 
 BYTES_PER_PIXEL = 16
+MOST_ROWS = 32768  # of one band: a dispatch has at most 65535 groups of rows
 
 
 class Clock:
@@ -66,10 +70,13 @@ class MarchFrame:
     layers: tuple[DrawnLayer, ...]
     size_px: tuple[int, int]
     step_world: float
+    t_offset_world: float
+    anchor_world: FloatArray
     skip: str
     check: Callable[[], None]
     progress: Progress
     clock: Clock = field(default_factory=Clock)
+    measured: dict[str, float] = field(default_factory=dict)
 
     @property
     def scene_resources(self) -> dict[str, Mapping[str, Resource]]:
@@ -97,18 +104,26 @@ def switches_of(frame: MarchFrame) -> Switches:
     """What the stages and the data say of each other, and a driver can make use of."""
     integrate = frame.scene_stages["integrate"]
     transfers = [layer.stages["transfer"] for layer in frame.layers]
+    classifies = bool(getattr(integrate, "classifies", True))
     has_stretches = any(layer.context.transfer.empty_stretches for layer in frame.layers)
+    skips_empty = bool(getattr(integrate, "skips_empty", False)) and frame.skip != "none" and has_stretches
     return Switches(
         has_empty=any(layer.field.masked for layer in frame.layers),
-        skips_empty=bool(getattr(integrate, "skips_empty", False)) and frame.skip != "none" and has_stretches,
+        skips_empty=skips_empty,
+        # Skipping must not change the image, and tables are not exact where the function bends.
+        masks_empty=classifies and has_stretches and not skips_empty,
         surfaces_only=bool(getattr(integrate, "surfaces_only", False)),
-        classifies=bool(getattr(integrate, "classifies", True)),
+        classifies=classifies,
         carries_medium=all(getattr(transfer, "carries_medium", False) for transfer in transfers),
     )
 
 
 def march_program(frame: MarchFrame) -> Program:
     """Program of the march; a tone stage that looks at the whole image first gets a pass of its own."""
+    for layer in frame.layers:
+        stage = layer.stages["transfer"]
+        if "next_crossing" in parse(stage_source(stage.wgsl, stage.name)).declared:
+            raise StageError(f"look.transfer {stage.name!r}", "offers next_crossing, which no driver asks yet", "leave it out")
     root = frame.scene_stages["driver"].wgsl
     if frame.scene_stages["tone"].reads:
         return frame.program(root, ("radiance", "depth"), tone=tones.Linear())
@@ -119,8 +134,8 @@ def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any,
     """Draw a frame; returns rgba (h, w, 4), depth (h, w), and the number of samples."""
     width, height = frame.size_px
     most = frame.device.limits["max-storage-buffer-binding-size"]
-    rows = min(height, most // (BYTES_PER_PIXEL * width))
-    bands = [_Band(frame, first, min(rows, height - first)) for first in range(0, height, rows)]
+    rows = min(height, max(1, most // (BYTES_PER_PIXEL * width)), MOST_ROWS)
+    bands = [_Band(frame, n, first, min(rows, height - first)) for n, first in enumerate(range(0, height, rows))]
     tone = frame.scene_stages["tone"]
     passes = [Pass("march", (), ("radiance", "depth"), lambda: _march(frame, bands))]
     if "luminance" in tone.reads:
@@ -136,17 +151,30 @@ def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any,
     with frame.clock("read back"):
         for band in bands:
             band.read(rgba, depth)
+    drop_buffers(frame.device, len(bands))
+    if (depth[..., 1] < 0).any():
+        raise LimitError(
+            f"device {frame.device.info.name!r}",
+            f"ended rays before they were through, after {int(-depth[..., 1].min())} samples: its driver bounds loops",
+            "draw with a larger step, central instead of Sobel gradients, or fewer lights",
+        )
     return rgba, np.where(depth[..., 0] < 3e38, depth[..., 0], np.float32(np.inf)), float(depth[..., 1].sum(dtype=np.float64))
+
+
+def drop_buffers(device: Device, bands: int) -> None:
+    """Free what an image of more bands has left behind."""
+    for key in [k for k in device.kept if k[0] == "band" and k[2] >= bands]:
+        del device.kept[key]
 
 
 class _Band:
     """Rows of an image whose pixels fit into one binding."""
 
-    def __init__(self, frame: MarchFrame, first_row: int, rows: int) -> None:
+    def __init__(self, frame: MarchFrame, number: int, first_row: int, rows: int) -> None:
         width = frame.size_px[0]
         self.first_row, self.rows, self.pixels = first_row, rows, rows * width
-        self.radiance = compute.storage_buffer(frame.device, f"radiance {first_row}", self.pixels * 16)
-        self.depth = compute.storage_buffer(frame.device, f"depth {first_row}", self.pixels * 8)
+        self.radiance = compute.storage_buffer(frame.device, ("band", "radiance", number), self.pixels * 16)
+        self.depth = compute.storage_buffer(frame.device, ("band", "depth", number), self.pixels * 8)
         self.frame = frame
 
     def uniforms(self) -> FrameUniforms:
@@ -155,6 +183,7 @@ class _Band:
             band_first_row=self.first_row,
             band_rows=self.rows,
             step_world=self.frame.step_world,
+            t_offset_world=self.frame.t_offset_world,
             light_count=len(self.frame.scene.lights),
         )
 
@@ -169,7 +198,7 @@ class _Band:
 def _bind(frame: MarchFrame, program: Program, buffers: Mapping[str, Any], name: str, data: bytes) -> list[Any]:
     device = frame.device
     resources = {
-        **bound_resources(device, program, frame.layers, frame.scene_resources, frame.progress),
+        **bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress),
         **buffers,
         "uniforms": compute.write_uniforms(device, f"uniforms of {name}", data),
         "lights": compute.write_storage(device, "lights", pack_lights(frame.scene.lights)),
@@ -183,12 +212,13 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
         program = march_program(frame)
         pipeline = compute.pipeline_of(device, program)
     with frame.clock("upload"):
-        values = uniform_values(device, frame.scene_stages, frame.layers, frame.progress)
+        values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress)
         if frame.scene_stages["tone"].reads:
             values["tone"] = tones.Linear()
-        bound_resources(device, program, frame.layers, frame.scene_resources, frame.progress)
+        bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress)
     x, y = device.traits.workgroup
-    pace: Pace = device.kept.setdefault(("pace", program.key), Pace())
+    sizes = tuple(layer.context.volume.size for layer in frame.layers)
+    pace: Pace = device.kept.setdefault(("pace", program.key, frame.step_world, sizes), Pace())
     total = frame.size_px[0] * frame.size_px[1]
     before = 0
     for band in bands:
@@ -199,7 +229,7 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
             "march",
             pack_uniforms(program, band.uniforms(), values),
         )
-        target = device.kept["buffer", "uniforms of march"]
+        target = device.kept["uniforms of march"]
 
         def submit(tile: Tile, band: _Band = band, groups: list[Any] = groups, target: Any = target) -> None:
             part = replace(band.uniforms(), tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
@@ -225,14 +255,14 @@ def _luminance(frame: MarchFrame, bands: list[_Band]) -> None:
         compute.dispatch(device, compute.pipeline_of(device, program), groups, (LUMINANCE_SUMS // 64, 1, 1))
         read = np.frombuffer(device.queue.read_buffer(sums, 0, LUMINANCE_SUMS * 8), dtype=np.float32)
         total += read.reshape(-1, 2).sum(axis=0, dtype=np.float64)
-    frame.device.kept["luminance"] = math.exp(total[0] / total[1]) if total[1] > 0 else 0.0
+    frame.measured["luminance"] = math.exp(total[0] / total[1]) if total[1] > 0 else 0.0
 
 
 def _tone(frame: MarchFrame, bands: list[_Band]) -> None:
     device = frame.device
     program = frame.program("passes/tone.wgsl", ("radiance",), ("luminance",))
-    values = uniform_values(device, frame.scene_stages, frame.layers, frame.progress)
-    values["luminance"] = LuminanceUniforms(device.kept.get("luminance", 0.0))
+    values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress)
+    values["luminance"] = LuminanceUniforms(frame.measured["luminance"])
     x, y = device.traits.workgroup
     for band in bands:
         data = pack_uniforms(program, band.uniforms(), values)

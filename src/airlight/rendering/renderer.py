@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import threading
+import weakref
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future
 
@@ -20,6 +21,19 @@ from .image import Image
 
 def _silent(_what: str, _done: int, _total: int) -> None:
     pass
+
+
+class _Held:
+    """The device of a renderer, used on the render thread alone."""
+
+    def __init__(self) -> None:
+        self.device: Device | None = None
+
+    def drop(self) -> None:
+        """Release the device, if there is one."""
+        device, self.device = self.device, None
+        if device is not None:
+            device.close()
 
 
 class Renderer:
@@ -43,8 +57,10 @@ class Renderer:
 
     def __init__(self, device: str | int | None = None) -> None:
         self._wanted = None if device is None else str(device)
-        self._device: Device | None = None
+        self._held = _Held()
         self._thread = RenderThread()
+        # Whoever forgets to close a renderer does not keep its thread and device for ever.
+        weakref.finalize(self, self._thread.close, self._held.drop, wait=False).atexit = False
 
     def __enter__(self) -> Renderer:
         return self
@@ -54,7 +70,7 @@ class Renderer:
 
     def close(self) -> None:
         """Release the device and all that is on it. Idempotent."""
-        self._thread.close(self._drop)
+        self._thread.close(self._held.drop)
 
     def warm_up(self) -> None:
         """Open the device in the background; returns at once."""
@@ -105,20 +121,19 @@ class Renderer:
 
     # -- on the render thread
 
-    def _open(self) -> Device:
-        if self._device is None:
-            self._device = open_device(self._wanted)
-        return self._device
+    @property
+    def _device(self) -> Device | None:
+        return self._held.device
 
-    def _drop(self) -> None:
-        device, self._device = self._device, None
-        if device is not None:
-            device.close()
+    def _open(self) -> Device:
+        if self._held.device is None:
+            self._held.device = open_device(self._wanted)
+        return self._held.device
 
     def _guarded(self, job: Job[T], work: Callable[[Device], T]) -> T:
         """Do work on the device; whatever breaks the device leaves room for a new one."""
         device = self._open()
-        with device_failures(device.info, self._drop):
+        with device_failures(device.info, self._held.drop):
             return work(device)
 
 

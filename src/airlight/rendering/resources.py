@@ -12,14 +12,26 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import StageError
 from ..gpu import compute, gradients, textures
 from ..gpu.device import Device
 from ..scene import Light
 from ..shader.layout import class_struct, fill
-from ..shader.program import FrameUniforms, LayerUniforms, LightRecord, LuminanceUniforms, Program
+from ..shader.program import (
+    FrameUniforms,
+    LayerUniforms,
+    LightRecord,
+    LuminanceUniforms,
+    Program,
+    ProgramKey,
+    SliceUniforms,
+    Switches,
+    build_program,
+    stage_key,
+)
 from ..stage import Context, GradientGrid, Grid, Resource, Stage, Table
 from ..stages.field import Field
-from ..volume import domain_index
+from ..volume import FloatArray, domain_index
 
 LIGHT_KINDS = {"head": 0, "directional": 1, "point": 2}
 
@@ -36,7 +48,8 @@ class DrawnLayer:
     def field(self) -> Field:
         """Return the layer's field."""
         field = self.stages["field"]
-        assert isinstance(field, Field)
+        if not isinstance(field, Field):
+            raise StageError(f"look.field {field.name!r}", "is no Field", "derive its class from airlight.field.Field")
         return field
 
 
@@ -63,8 +76,8 @@ def grid_texture(device: Device, grid: Grid, progress: textures.Progress) -> tex
     return found
 
 
-def layer_uniforms(device: Device, layer: DrawnLayer, progress: textures.Progress) -> LayerUniforms:
-    """Place of a layer's grid in the world and decoding of its texels."""
+def layer_uniforms(device: Device, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress) -> LayerUniforms:
+    """Place of a layer's grid in the device's world, whose origin is the anchor, and decoding of its texels."""
     volume = layer.context.volume
     low, high = domain_index(volume.size, layer.field.cells)
     size = tuple(float(n) for n in volume.size)
@@ -73,8 +86,10 @@ def layer_uniforms(device: Device, layer: DrawnLayer, progress: textures.Progres
         if isinstance(resource, Grid):
             encoding = grid_texture(device, resource, progress).encoding
             scale, offset = encoding.scale, encoding.offset
+    index_from_world = volume.index_from_world.copy()
+    index_from_world[:3, 3] += index_from_world[:3, :3] @ anchor_world
     return LayerUniforms(
-        index_from_world=volume.index_from_world,
+        index_from_world=index_from_world,
         gradient_world_from_index=volume.index_from_world[:3, :3].T,
         size=size,  # type: ignore[arg-type]
         inverse_size=tuple(1.0 / n for n in size),  # type: ignore[arg-type]
@@ -87,14 +102,18 @@ def layer_uniforms(device: Device, layer: DrawnLayer, progress: textures.Progres
 
 
 def uniform_values(
-    device: Device, scene_stages: Mapping[str, Stage], layers: tuple[DrawnLayer, ...], progress: textures.Progress
+    device: Device,
+    scene_stages: Mapping[str, Stage],
+    layers: tuple[DrawnLayer, ...],
+    anchor_world: FloatArray,
+    progress: textures.Progress,
 ) -> dict[str, Any]:
     """Values of all members of the uniform struct but the frame's, by the names of ``build_program``."""
     values: dict[str, Any] = {"luminance": LuminanceUniforms()}
     for slot, stage in scene_stages.items():
         values[slot] = stage.uniforms(layers[0].context)
     for i, layer in enumerate(layers):
-        values[f"layer_{i}"] = layer_uniforms(device, layer, progress)
+        values[f"layer_{i}"] = layer_uniforms(device, layer, anchor_world, progress)
         for slot, stage in layer.stages.items():
             values[f"{slot}_{i}"] = stage.uniforms(layer.context)
     return values
@@ -124,6 +143,7 @@ def bound_resources(
     program: Program,
     layers: tuple[DrawnLayer, ...],
     scene: Mapping[str, Mapping[str, Resource]],
+    anchor_world: FloatArray,
     progress: textures.Progress,
 ) -> dict[str, Any]:
     """Views and samplers of a program's textures and tables, by the names of its bindings."""
@@ -134,11 +154,11 @@ def bound_resources(
             found[binding.name] = compute.linear_sampler(device)
         elif binding.kind in ("table", "grid", "loaded_grid", "gradients"):
             resource = (scene if index is None else layers[index].resources)[slot][name]
-            found[binding.name] = _view(device, resource, layers[index or 0], progress)
+            found[binding.name] = _view(device, resource, layers[index or 0], anchor_world, progress)
     return found
 
 
-def _view(device: Device, resource: Resource, layer: DrawnLayer, progress: textures.Progress) -> Any:
+def _view(device: Device, resource: Resource, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress) -> Any:
     match resource:
         case Grid():
             return grid_texture(device, resource, progress).texture.create_view()
@@ -146,29 +166,35 @@ def _view(device: Device, resource: Resource, layer: DrawnLayer, progress: textu
             texture = kept_for(device, resource.texels, ("table",), lambda: textures.upload_table(device, resource.texels))
             return texture.create_view()
         case GradientGrid():
-            return _gradient_texture(device, resource, layer, progress).create_view()
+            return _gradient_texture(device, resource, layer, anchor_world, progress).create_view()
 
 
-def _gradient_texture(device: Device, resource: GradientGrid, layer: DrawnLayer, progress: textures.Progress) -> Any:
-    """Texture of gradients, made by the field and the gradient stage themselves at the voxels."""
+def _gradient_texture(
+    device: Device, resource: GradientGrid, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress
+) -> Any:
+    """Texture of gradients, made at the voxels by the layer's own field and a gradient stage."""
     context = layer.context
-    key = ("gradients", type(resource.method), type(layer.field), context.channel, context.time)
-    return kept_for(
-        device,
-        context.volume,
-        key,
-        lambda: gradients.compute_gradients(
-            device,
-            layer.field,
-            layer.resources["field"],
-            resource.method,
-            layer_uniforms(device, layer, progress),
-            grid_texture(device, _grid_of(layer), progress),
-            context.volume.size,
-            progress,
-        ),
+    used: dict[str, Stage] = {"field": layer.stages["field"], "gradient": resource.method}
+    resources = {slot: stage.resources(context) for slot, stage in used.items()}
+    key = ProgramKey(
+        "passes/gradient_grid.wgsl",
+        (),
+        (tuple((slot, stage_key(stage, resources[slot])) for slot, stage in used.items()),),
+        ("gradients_out",),
+        ("slice",),
+        Switches(has_empty=layer.field.masked),
+        device.traits,
     )
 
+    def make() -> Any:
+        program = build_program(key)
+        alone = DrawnLayer(used, context, resources)
+        values = uniform_values(device, {}, (alone,), anchor_world, progress)
+        bound = bound_resources(device, program, (alone,), {}, anchor_world, progress)
 
-def _grid_of(layer: DrawnLayer) -> Grid:
-    return next(r for r in layer.resources["field"].values() if isinstance(r, Grid))
+        def pack(first_z: int) -> bytes:
+            return pack_uniforms(program, FrameUniforms(), values | {"slice": SliceUniforms(first_z)})
+
+        return gradients.compute_gradients(device, program, pack, bound, context.volume.size, progress)
+
+    return kept_for(device, context.volume, ("gradients", *used.values(), context.channel, context.time), make)

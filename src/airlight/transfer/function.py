@@ -149,7 +149,7 @@ def _checked(points: Iterable[tuple[float, Colour, float]]) -> tuple[Point, ...]
     checked: list[Point] = []
     for number, point in enumerate(points):
         where = f"transfer.points[{number}]"
-        if isinstance(point, (str, bytes)) or len(point) != 3:
+        if not isinstance(point, (tuple, list)) or len(point) != 3:
             raise ValueRangeError(where, f"is {point!r}", "give (value, colour, extinction)")
         value, colour, extinction = float(point[0]), point[1], float(point[2])
         if not np.isfinite(value):
