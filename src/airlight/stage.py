@@ -186,6 +186,10 @@ class Stage:
         """Return textures and tables by the names under which WGSL imports them."""
         return {}
 
+    def errors(self, context: Context) -> dict[str, float]:
+        """Return the approximations that the stage makes, by what they are of, for ``image.stats``."""
+        return {}
+
     def statics(self) -> dict[str, Any]:
         """Return the fields that are part of the program's key."""
         return {f.name: getattr(self, f.name) for f in stage_fields(type(self)) if f.metadata["kind"] == "static"}

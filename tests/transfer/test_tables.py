@@ -12,7 +12,7 @@ from scipy.integrate import quad
 
 from airlight.errors import ValueRangeError
 from airlight.transfer import TransferFunction
-from airlight.transfer.tables import LENGTHS, function_table, slab_table
+from airlight.transfer.tables import LENGTHS, function_table, opacity_error, slab_table
 
 points = st.lists(
     st.tuples(
@@ -112,3 +112,19 @@ def test_wrong_sizes_are_refused():
         slab_table(tf, 1.0, 1)
     with pytest.raises(ValueRangeError, match="slabs of length"):
         slab_table(tf, 0.0)
+
+
+def test_the_error_of_interpolation_is_told():
+    """None for straight functions, small for control points on entries, and what it is for a step and a needle."""
+    assert opacity_error(TransferFunction([(0, "black", 0), (100, "white", 1)]), 1.0) < 1e-6
+    assert opacity_error(TransferFunction([(0, "black", 0), (40, "white", 1), (100, "white", 0)]), 1.0) < 1 / 255
+    assert (
+        opacity_error(TransferFunction([(0, "black", 0), (50.03, "black", 0), (50.03, "white", 3), (100, "white", 3)]), 1.0)
+        > 0.1
+    )
+    assert (
+        opacity_error(
+            TransferFunction([(0, "red", 1), (50.03, "red", 1), (50.1, "red", 9), (50.13, "red", 1), (99, "red", 1)]), 1.0
+        )
+        > 0.01
+    )

@@ -196,6 +196,11 @@ def statistics_of(frame: MarchFrame, request: Request) -> dict[str, Any]:
                 "stages": {slot: stage.name for slot, stage in layer.stages.items()},
                 "textures": [{"format": t.encoding.format, "error": t.encoding.error, "bytes": t.bytes} for t in textures],
                 "tables": tables,
+                "errors": {
+                    f"{slot}: {what}": error
+                    for slot, stage in layer.stages.items()
+                    for what, error in stage.errors(layer.context).items()
+                },
                 "level": 0,
             }
         )

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..stage import F32, U32, Bool, Context, Resource, Stage, Table, Vec4f, param, register
 from ..transfer import TransferFunction
-from ..transfer.tables import LENGTHS, function_table, slab_table
+from ..transfer.tables import LENGTHS, function_table, opacity_error, slab_table
 
 Vec4 = tuple[float, float, float, float]
 
@@ -108,6 +108,10 @@ class PreIntegrated(Transfer):
         base = super().uniforms(context)
         table = slab_table(context.transfer, context.step_world, self.entries)
         return replace(base, slab_entries=table.entries, slab_lengths=LENGTHS, slab_length=context.step_world)
+
+    def errors(self, context: Context) -> dict[str, float]:
+        """Return what interpolation between the entries of the table may cost a slab."""
+        return {"opacity of a slab": opacity_error(context.transfer, context.step_world, self.entries)}
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
         """Return the tables of the function and of slabs."""

@@ -121,6 +121,35 @@ def slab_table(function: TransferFunction, length: float, entries: int = 0) -> V
     return ValueTable(texels, first, last)
 
 
+@lru_cache(maxsize=32)
+def opacity_error(function: TransferFunction, length: float, entries: int = 0) -> float:
+    """Greatest error of opacity that interpolation between entries makes over slabs of a length; estimated.
+
+    Slabs begin and end between entries, above all next to control points, where it is greatest. What is exact follows from
+    the running integral of extinction, in float64.
+    """
+    table = slab_table(function, length, entries)
+    n, first = table.entries, table.first_value
+    step = (table.last_value - first) / (n - 1)
+    control = function.values[:, None] + step * np.array([-1.5, -0.75, -0.25, 0.25, 0.75, 1.5])
+    spread = first + step * (np.linspace(0, n - 2, 16).round() + 0.5)
+    values = np.unique(np.clip(np.concatenate([control.ravel(), spread]), first, table.last_value))
+    ends = np.concatenate([function.values, values])
+    knots = np.unique(np.concatenate([ends, np.nextafter(function.values, -np.inf)]))
+    _, extinction = function(knots)
+    running = np.concatenate([[0.0], np.cumsum(np.diff(knots) * (extinction[1:] + extinction[:-1]) / 2)])
+    front, back = np.meshgrid(values, values)
+    apart = np.abs(back - front) > step / 4
+    front, back = front[apart], back[apart]
+    exact = (np.interp(back, knots, running) - np.interp(front, knots, running)) / (back - front)
+    x, y = (front - first) / step, (back - first) / step
+    i, j = (np.minimum(place.astype(np.int64), n - 2) for place in (x, y))
+    u, v = x - i, y - j
+    mean = table.texels[0, :, :, 3].astype(np.float64)
+    drawn = (1 - v) * ((1 - u) * mean[j, i] + u * mean[j, i + 1]) + v * ((1 - u) * mean[j + 1, i] + u * mean[j + 1, i + 1])
+    return float(np.abs(np.exp(-drawn * length) - np.exp(-exact * length)).max(initial=0.0))
+
+
 @dataclass(frozen=True, eq=False)
 class _Segments:
     """The function between neighbouring entries, at Gauss nodes; no control point between entries is lost.
