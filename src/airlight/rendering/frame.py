@@ -9,7 +9,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -19,17 +18,16 @@ from ..gpu.device import Device
 from ..gpu.textures import Progress
 from ..scene import Layer, Scene
 from ..shader.program import Program
-from ..stage import SLOTS, Context, Grid, Stage, Table
-from ..stages.camera import Camera, Orthographic
+from ..stage import SLOTS, Context, Stage
 from ..stages.field import Field
-from ..volume import FloatArray, statistics
+from ..volume import statistics
 from .image import Image
 from .march import MarchFrame, draw_march, march_program
-from .resources import DrawnLayer, grid_texture
+from .nearby import chosen_anchor, near_camera, shifted_lights
+from .resources import DrawnLayer
+from .stats import frame_statistics
 
 GREATEST_VALUE = 1e37
-FAR_AWAY = 100.0  # times the reach of a volume
-MOST_STEPS_AWAY = 1 << 18
 SKIPS = ("auto", "none", "blocks", "geometry")
 
 
@@ -64,7 +62,7 @@ def draw(device: Device, scene: Scene, request: Request, check: Callable[[], Non
         return Image(nothing, np.full((height, width), np.inf, np.float32), scene.background, {"reason": "no visible layer"})
     frame = prepare(device, scene, request, check, progress)
     rgba, depth, samples = draw_march(frame)
-    stats = statistics_of(frame, request) | {"samples": int(samples), "milliseconds": frame.clock.milliseconds}
+    stats = frame_statistics(frame, request.step) | {"samples": int(samples), "milliseconds": frame.clock.milliseconds}
     frame.clock.milliseconds["total"] = 1e3 * (time.perf_counter() - start)
     return Image(rgba, depth, frame.scene.background, stats)
 
@@ -89,10 +87,7 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
     stages = visible[0].look.stages()
     anchor_world = chosen_anchor(layers[0])
     camera, t_offset_world = near_camera(scene.camera, anchor_world, layers[0], step_world)  # type: ignore[arg-type]
-    lights = tuple(
-        replace(light, vector=shifted(light.vector, anchor_world)) if light.kind == "point" else light for light in scene.lights
-    )
-    scene = replace(scene, lights=lights)
+    scene = replace(scene, lights=shifted_lights(scene.lights, anchor_world))
     scene_stages: dict[str, Stage] = {"driver": request.driver, "camera": camera}
     scene_stages |= {slot: stage for slot, stage in stages.items() if not SLOTS[slot].per_layer}
     return MarchFrame(
@@ -108,54 +103,6 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
         check=check,
         progress=progress,
     )
-
-
-def chosen_anchor(layer: DrawnLayer) -> FloatArray:
-    """Origin of the device's world: that of the user's, or the middle of a volume that lies far from it.
-
-    32-bit floats hold seven digits: positions of a survey in metres from the equator would jump by half a metre.
-    """
-    corners = layer.context.volume.corners_world()
-    middle = corners.mean(axis=0)
-    reach = float(np.linalg.norm(corners - middle, axis=1).max()) + layer.context.step_world
-    far = float(np.linalg.norm(middle)) > FAR_AWAY * reach
-    return middle if far else np.zeros(3)
-
-
-def near_camera(camera: Camera, anchor_world: FloatArray, layer: DrawnLayer, step_world: float) -> tuple[Camera, float]:
-    """Camera in the device's world, and the distance by which its rays begin later than at the eye.
-
-    Parallel rays begin a whole number of steps later, in front of the volume, so that samples stay where they are.
-
-    Raises
-    ------
-    ValueRangeError
-        When a perspective camera is so far away that samples cannot be told apart in 32 bits.
-    """
-    corners = layer.context.volume.corners_world(layer.field.cells)
-    _, _, forward = camera.basis()
-    nearest = float(((corners - np.asarray(camera.eye)) @ forward).min())
-    steps = int(nearest / step_world) - 1
-    eye, target = np.asarray(camera.eye), np.asarray(camera.target)
-    if steps > MOST_STEPS_AWAY and not isinstance(camera, Orthographic):
-        raise ValueRangeError(
-            "camera",
-            f"is {steps:,} steps away from the volume, at most {MOST_STEPS_AWAY:,} are told apart",
-            "use Camera.orthographic",
-        )
-    t_offset_world = steps * step_world if isinstance(camera, Orthographic) and steps > 0 else 0.0
-    moved: Camera = replace(
-        camera,  # type: ignore[type-var]
-        eye=shifted(eye + t_offset_world * forward, anchor_world),
-        target=shifted(target + t_offset_world * forward, anchor_world),
-    )
-    return moved, t_offset_world
-
-
-def shifted(point: Any, anchor_world: FloatArray) -> tuple[float, float, float]:
-    """Point in the device's world."""
-    x, y, z = np.asarray(point, dtype=np.float64) - anchor_world
-    return float(x), float(y), float(z)
 
 
 def drawn_layer(layer: Layer, step_world: float, size_px: tuple[int, int]) -> DrawnLayer:
@@ -176,41 +123,3 @@ def drawn_layer(layer: Layer, step_world: float, size_px: tuple[int, int]) -> Dr
     if isinstance(field, Field) and not field.masked and known.empty:
         stages["field"] = field.for_empty()
     return DrawnLayer(stages, context, {slot: stage.resources(context) for slot, stage in stages.items()})
-
-
-def statistics_of(frame: MarchFrame, request: Request) -> dict[str, Any]:
-    """What ``image.stats`` says of a frame beside times and counts."""
-    info = frame.device.info
-    layers = []
-    for layer in frame.layers:
-        grids = [r for r in layer.resources["field"].values() if isinstance(r, Grid)]
-        textures = [grid_texture(frame.device, grid, frame.progress) for grid in grids]
-        tables = {
-            f"{slot}.{name}": list(r.texels.shape)
-            for slot, resources in layer.resources.items()
-            for name, r in resources.items()
-            if isinstance(r, Table)
-        }
-        layers.append(
-            {
-                "stages": {slot: stage.name for slot, stage in layer.stages.items()},
-                "textures": [{"format": t.encoding.format, "error": t.encoding.error, "bytes": t.bytes} for t in textures],
-                "tables": tables,
-                "errors": {
-                    f"{slot}: {what}": error
-                    for slot, stage in layer.stages.items()
-                    for what, error in stage.errors(layer.context).items()
-                },
-                "level": 0,
-            }
-        )
-    return {
-        "adapter": {"name": info.name, "kind": info.kind, "backend": info.backend, "driver": info.driver},
-        "core": frame.device.core,
-        "driver": request.driver.name,
-        "size": list(request.size_px),
-        "step": request.step,
-        "step_world": frame.step_world,
-        "skip": {"asked": request.skip, "done": "none"},
-        "layers": layers,
-    }

@@ -1,0 +1,73 @@
+"""The device's world: moved so that the volume is near its origin and the eye near the volume.
+
+32-bit floats hold seven digits. A survey in metres from the equator, or parallel rays from far away, would lose the samples
+along a ray in them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..errors import ValueRangeError
+from ..scene import Light
+from ..stages.camera import Camera, Orthographic
+from ..volume import FloatArray
+from .resources import DrawnLayer
+
+FAR_AWAY = 100.0  # times the reach of a volume
+MOST_STEPS_AWAY = 1 << 18
+
+
+def chosen_anchor(layer: DrawnLayer) -> FloatArray:
+    """Origin of the device's world: that of the user's, or the middle of a volume that lies far from it."""
+    corners = layer.context.volume.corners_world()
+    middle = corners.mean(axis=0)
+    reach = float(np.linalg.norm(corners - middle, axis=1).max()) + layer.context.step_world
+    far = float(np.linalg.norm(middle)) > FAR_AWAY * reach
+    return middle if far else np.zeros(3)
+
+
+def near_camera(camera: Camera, anchor_world: FloatArray, layer: DrawnLayer, step_world: float) -> tuple[Camera, float]:
+    """Camera in the device's world, and the distance by which its rays begin later than at the eye.
+
+    Parallel rays begin a whole number of steps later, in front of the volume, so that samples stay where they are.
+
+    Raises
+    ------
+    ValueRangeError
+        When a perspective camera is so far away that samples cannot be told apart in 32 bits.
+    """
+    corners = layer.context.volume.corners_world(layer.field.cells)
+    _, _, forward = camera.basis()
+    nearest = float(((corners - np.asarray(camera.eye)) @ forward).min())
+    steps = int(nearest / step_world) - 1
+    eye, target = np.asarray(camera.eye), np.asarray(camera.target)
+    if steps > MOST_STEPS_AWAY and not isinstance(camera, Orthographic):
+        raise ValueRangeError(
+            "camera",
+            f"is {steps:,} steps away from the volume, at most {MOST_STEPS_AWAY:,} are told apart",
+            "use Camera.orthographic",
+        )
+    t_offset_world = steps * step_world if isinstance(camera, Orthographic) and steps > 0 else 0.0
+    moved: Camera = replace(
+        camera,  # type: ignore[type-var]
+        eye=shifted(eye + t_offset_world * forward, anchor_world),
+        target=shifted(target + t_offset_world * forward, anchor_world),
+    )
+    return moved, t_offset_world
+
+
+def shifted(point: Any, anchor_world: FloatArray) -> tuple[float, float, float]:
+    """Point in the device's world."""
+    x, y, z = np.asarray(point, dtype=np.float64) - anchor_world
+    return float(x), float(y), float(z)
+
+
+def shifted_lights(lights: tuple[Light, ...], anchor_world: FloatArray) -> tuple[Light, ...]:
+    """Lights in the device's world; only point lights have a place."""
+    return tuple(
+        replace(light, vector=shifted(light.vector, anchor_world)) if light.kind == "point" else light for light in lights
+    )
