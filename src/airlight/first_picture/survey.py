@@ -195,6 +195,9 @@ def _scalar(found: Survey, modality: str) -> Survey:
         noise_top = min(noise_top, float(np.percentile(values, 99)))
         begin = max(noise_top, (min(otsu, float(np.percentile(values, 97))) + background) / 2)
         return _changed(found, kind="cloud", background=background, noise_top=noise_top, begin=begin)
+    if noise_top <= background and len(peaks) > 1 and peaks[0] - background < 0.5 * (otsu - background):
+        # The background was cut away: what is dark inside (liquid, bone in MRI) is no border, the cut's own steps would show.
+        peaks = peaks[1:]
     # Halfway to the material lies its border, unless the valley is nearer: something thin may not reach the whole value.
     half = (background + peaks[0]) / 2
     begin = (min(valley, half) + half) / 2
