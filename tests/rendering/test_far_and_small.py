@@ -26,7 +26,7 @@ def test_parallel_rays_from_far_away(renderer, distance):
     image, truth = renderer.render(drawn, SIZE), reference.render(drawn, SIZE)
     assert np.abs(image.rgba - truth.rgba).max() <= LEVEL
     met = np.isfinite(truth.depth)
-    assert np.abs(image.depth[met] / truth.depth[met] - 1).max() < 1e-3 if distance < 1e4 else 1e-6
+    assert np.abs(image.depth[met] / truth.depth[met] - 1).max() < (1e-3 if distance < 1e4 else 1e-6)
 
 
 def test_a_perspective_eye_too_far_away_is_refused(renderer):

@@ -106,7 +106,8 @@ def test_two_halves_composite_to_the_whole(renderer):
 def test_density_multiplies_extinction(renderer):
     volume, camera = blobs(), cameras(blobs())["perspective"]
     thick = al.Scene(layers=[al.Layer(volume, function(), density=2.5)], camera=camera, background=None)
-    scaled = al.Scene(volume, transfer=function().scaled(2.5), camera=camera, background=None)
+    by_hand = al.TransferFunction([(v, rgb, 2.5 * extinction) for v, rgb, extinction in function().points])
+    scaled = al.Scene(volume, transfer=by_hand, camera=camera, background=None)
     assert np.array_equal(renderer.render(thick, SIZE).rgba, renderer.render(scaled, SIZE).rgba)
 
 
