@@ -19,8 +19,9 @@ from airlight.gpu.device import Device
 from airlight.gpu.tiles import Pace, Tile, run_tiles, tiles
 from airlight.rendering.march import MarchFrame
 from airlight.rendering.resources import grid_texture
-from airlight.transfer.tables import function_table
+from airlight.transfer.cells import value_axis
 
+ENTRIES = 1024
 DECLARATIONS = """
 struct Uniforms {
   origin: vec3f, h: f32,            // of rays in texture coordinates; distance of samples [world]
@@ -176,7 +177,7 @@ def plain_march(frame: MarchFrame) -> PlainMarch:
     held = device.gpu.create_buffer(size=record.nbytes, usage=usage.UNIFORM | usage.COPY_DST)
     pixels = frame.size_px[0] * frame.size_px[1]
     outputs = tuple(device.gpu.create_buffer(size=pixels * n, usage=usage.STORAGE | usage.COPY_SRC) for n in (16, 8))
-    table = textures.upload_table(device, function_table(layer.context.transfer).texels)
+    table = textures.upload_table(device, function_texels(layer.context.transfer))
     grid = grid_texture(device, layer.resources["field"]["grid"], frame.progress)
     visible = {"visibility": wgpu.ShaderStage.COMPUTE}
     layout = device.gpu.create_bind_group_layout(
@@ -226,6 +227,12 @@ UNIFORMS = np.dtype(
 )
 
 
+def function_texels(function: al.TransferFunction) -> np.ndarray:
+    """Colour and extinction at evenly spaced values, as one texture that every sample looks up."""
+    rgb, extinction = function(np.linspace(*value_axis(function), ENTRIES))
+    return np.concatenate([rgb, extinction[:, None]], axis=1).astype(np.float32)[None, None]
+
+
 def uniforms(frame: MarchFrame) -> np.ndarray[Any, Any]:
     """Numbers of the shader: camera, domain and encoding in texture coordinates."""
     layer, camera = frame.layers[0], frame.scene.camera
@@ -235,7 +242,7 @@ def uniforms(frame: MarchFrame) -> np.ndarray[Any, Any]:
     size = np.array(volume.size, dtype=np.float64)
     unit_from_world = volume.index_from_world[:3, :3] / size[:, None]
     encoding = grid_texture(frame.device, layer.resources["field"]["grid"], frame.progress).encoding
-    table = function_table(layer.context.transfer)
+    first, last = value_axis(layer.context.transfer)
     record = np.zeros((), dtype=UNIFORMS)
     values = {
         "origin": ((volume.index_from_world @ [*of_camera.eye, 1.0])[:3] + 0.5) / size,
@@ -249,9 +256,9 @@ def uniforms(frame: MarchFrame) -> np.ndarray[Any, Any]:
         "high": (size - 0.5) / size,
         "h": frame.step_world,
         "opaque_at": getattr(frame.scene.visible_layers[0].look.integrate, "opaque_at", 1.0),
-        "first_value": table.first_value,
-        "per_value": 1 / (table.last_value - table.first_value),
-        "entries": table.entries,
+        "first_value": first,
+        "per_value": 1 / (last - first),
+        "entries": ENTRIES,
         "value_scale": encoding.scale,
         "value_offset": encoding.offset,
         "perspective": camera.name == "perspective",

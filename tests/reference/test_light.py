@@ -105,7 +105,7 @@ def test_automatic_threshold_is_the_stages():
     rng = np.random.default_rng(4)
     volume = Volume(rng.normal(size=(30, 28, 27)), spacing=(0.5, 1, 2))
     setup = setup_of(volume)
-    context = Context(volume, setup.function, 0, 0, 1.0, ONE)
+    context = Context(volume, setup.function, (0,), 0, 1.0, ONE)
     assert automatic_threshold(setup) == pytest.approx(stage_threshold(context))
     low, high = np.percentile(volume.array, [0.5, 99.5])
     assert automatic_threshold(setup) == pytest.approx((high - low) / 2000 / 0.5, rel=0.02)

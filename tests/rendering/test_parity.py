@@ -12,7 +12,7 @@ import airlight as al
 from airlight import reference
 from airlight.stage import SLOTS, STAGES
 
-LOOK_SLOTS = [slot for slot in SLOTS if slot not in ("driver", "camera")]
+LOOK_SLOTS = [slot for slot in SLOTS if slot in al.Look.__dataclass_fields__]  # regions: test_labels.py
 PARAMETERS = {("integrate", "first_hit"): {"iso": 70.0}}
 CHOICES = [
     *((slot, STAGES[slot][name](**PARAMETERS.get((slot, name), {}))) for slot in LOOK_SLOTS for name in sorted(STAGES[slot])),

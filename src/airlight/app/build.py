@@ -4,23 +4,29 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..errors import ValueRangeError
-from ..first_picture import first_picture, projection_transfer
+from ..first_picture import automatic_channels, first_picture, projection_transfer
 from ..scene import VIEWS, Camera, Layer, Look, Scene, fit_camera
 from ..stage import Stage
 from ..stages.camera import Orthographic, Perspective
-from ..transfer import presets
+from ..transfer import Surface, TransferFunction, presets
+from ..transfer.automatic import boundary_function, boundary_joint_function
+from ..transfer.colormaps import colours_of
 from ..volume import Volume
+from .labels import LabelOptions, with_labels
 from .options import SLOTS, DrawOptions, LookOptions, ReadOptions, ViewOptions
 from .parse import (
     parse_background,
     parse_bytes,
     parse_camera,
+    parse_channels,
+    parse_iso,
     parse_shape,
     parse_size,
     parse_spacing,
@@ -31,6 +37,8 @@ from .progress import ProgressBar
 
 SIZE = (512, 512)
 PROJECTIONS = ("mip", "minip", "mean")
+BOUNDARY_DEPTHS = (0.12, 0.4, 1.2)
+"""Optical depths of boundaries by rising value: outer ones, of lower values, are faint, so that inner ones show."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +74,13 @@ def open_input(path: str, read: ReadOptions, progress: ProgressBar | None = None
 
 
 def make_job(
-    path: str, look: LookOptions, view: ViewOptions, draw: DrawOptions, read: ReadOptions, progress: ProgressBar | None = None
+    path: str,
+    look: LookOptions,
+    view: ViewOptions,
+    draw: DrawOptions,
+    read: ReadOptions,
+    progress: ProgressBar | None = None,
+    labels: LabelOptions | None = None,
 ) -> Job:
     """Make what is drawn of a volume or a scene file; options take the place of what the file says.
 
@@ -75,8 +89,15 @@ def make_job(
     size = None if view.size is None else parse_size(view.size)
     stages = {slot: parse_stage(slot, text) for slot in SLOTS if (text := getattr(look, slot)) is not None}
     function = None if look.tf is None else parse_transfer(look.tf)
-    if look.tf is not None and look.preset is not None:
-        raise ValueRangeError("--tf", "and --preset exclude each other", "leave one of them out")
+    given = [option for option in ("tf", "preset", "colormap", "auto", "channels") if getattr(look, option) is not None]
+    if len(given) > 1:
+        raise ValueRangeError(f"--{given[0]}", f"and --{given[1]} exclude each other", "leave one of them out")
+    if look.colormap is not None:
+        colours_of(look.colormap)
+    colours = None if look.channels is None else parse_channels(look.channels)
+    if look.channels is not None and look.channel is not None:
+        raise ValueRangeError("--channels", "and --channel exclude each other", "leave one of them out")
+    surfaces = parse_iso(look.iso)
     camera = None if view.camera is None else parse_camera(view.camera)
     arguments = _draw_arguments(draw)
     changes: dict[str, Any] = {} if camera is None else {"camera": camera}
@@ -90,10 +111,20 @@ def make_job(
         size = size or options.get("size") or SIZE
     else:
         size = size or SIZE
-        scene = _picture_of(open_input(path, read, progress), size, look)
+        scene = _picture_of(open_input(path, read, progress), size, look, colours)
     layers = tuple(_with_look(layer, look, stages) for layer in scene.layers)
+    if look.channels is not None:
+        layers = tuple(
+            dataclasses.replace(layer, transfer=automatic_channels(layer.volume, colours, layer.time)) for layer in layers
+        )
+    if look.auto is not None:
+        layers = tuple(_with_boundaries(layer, look.auto, progress) for layer in layers)
     if function is not None:
         layers = tuple(dataclasses.replace(layer, transfer=function) for layer in layers)
+    if surfaces:
+        layers = tuple(_with_surfaces(layer, surfaces, alone=not given and not is_scene(path)) for layer in layers)
+    if labels is not None:
+        layers = tuple(with_labels(layer, labels, progress) for layer in layers)
     scene = dataclasses.replace(scene, layers=layers, **changes)
     return Job(orthographic(scene, size) if view.orthographic else scene, size, arguments)
 
@@ -128,8 +159,11 @@ def _load(path: str, read: ReadOptions, progress: ProgressBar | None) -> tuple[S
     return load_scene(path, max_memory=parse_bytes(read.max_memory), progress=progress)
 
 
-def _picture_of(volume: Volume, size: tuple[int, int], look: LookOptions) -> Scene:
-    """Return the scene of a good first picture, of the channel and time step that are asked for."""
+def _picture_of(volume: Volume, size: tuple[int, int], look: LookOptions, colours: Mapping[int | str, Any] | None) -> Scene:
+    """Return the scene of a good first picture, of the channels and time step that are asked for."""
+    if look.channels is not None:
+        time = look.time or 0
+        return first_picture(volume, size, time=time, channels=automatic_channels(volume, colours, time))
     return first_picture(volume, size, channel=_channel(look), time=look.time or 0)
 
 
@@ -152,13 +186,34 @@ def _with_look(layer: Layer, look: LookOptions, stages: dict[str, Stage]) -> Lay
         raise ValueRangeError(
             "--preset",
             "is for opacity, and projections show values",
-            "leave it out: they run from black to white, or give --tf",
+            "leave it out: they run from black to white, or give --tf or --colormap",
         )
     if look.preset is not None:
         changes["transfer"] = presets.get(look.preset, layer.volume, channel, time)
+    elif look.colormap is not None:
+        changes["transfer"] = presets.glowing(look.colormap, layer.volume, channel, time)
     elif projects:
         changes["transfer"] = projection_transfer(layer.volume, channel, time)
     return dataclasses.replace(layer, **changes) if changes else layer
+
+
+def _with_boundaries(layer: Layer, kind: str, progress: ProgressBar | None) -> Layer:
+    """Return the layer with a function that shows the boundaries between materials."""
+    if layer.look.integrate.name in PROJECTIONS:
+        raise ValueRangeError("--auto", "is for opacity, and projections show values", "leave it out")
+    make: Any = {"boundaries": boundary_function, "boundaries2d": boundary_joint_function}[kind]
+    function = make(layer.volume, layer.channel, layer.time, depth=BOUNDARY_DEPTHS, progress=progress)
+    return dataclasses.replace(layer, transfer=function)
+
+
+def _with_surfaces(layer: Layer, surfaces: tuple[Surface, ...], alone: bool) -> Layer:
+    """Return the layer with surfaces beside its function, or in the place of a function that was chosen from the data."""
+    if alone or layer.transfer is None:
+        return dataclasses.replace(layer, transfer=TransferFunction.from_surfaces(surfaces))
+    if not isinstance(layer.transfer, TransferFunction):
+        what = f"goes with functions of one value, and here is a {type(layer.transfer).__name__}"
+        raise ValueRangeError("--iso", what, "leave it out, or give --tf")
+    return dataclasses.replace(layer, transfer=layer.transfer.with_surfaces(surfaces))
 
 
 def orthographic(scene: Scene, size: tuple[int, int]) -> Scene:

@@ -19,6 +19,8 @@ COMMANDS = {
     "explain": "Print the program that draws a volume or a scene.",
     "bench": "Time a fixed set of scenes.",
     "stages": "List slots, stages and their parameters.",
+    "histogram": "Draw how many samples have which value and gradient.",
+    "presets": "List transfer functions by name, and colour maps.",
 }
 HELP = """\
 Volume rendering through WebGPU: right, fast and simple to read.

@@ -5,6 +5,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from .build import make_job
+from .labels import LabelOptions
 from .options import DrawOptions, LookOptions, ReadOptions, ViewOptions
 from .progress import ProgressBar
 
@@ -17,6 +18,7 @@ def explain(
     view: ViewOptions | None = None,
     draw: DrawOptions | None = None,
     read: ReadOptions | None = None,
+    labels: LabelOptions | None = None,
 ) -> None:
     """Print the linked WGSL program of a scene: where each part comes from, the layout of its structs, its key in the cache.
 
@@ -29,5 +31,5 @@ def explain(
 
     with ProgressBar() as progress:
         options = look or LookOptions(), view or ViewOptions(), draw or DrawOptions(), read or ReadOptions()
-        job = make_job(input, *options, progress)
+        job = make_job(input, *options, progress, labels)
     print(api.explain(job.scene, job.size, driver=job.arguments.get("driver", "march"), device=job.arguments.get("device")))

@@ -17,7 +17,7 @@ VIEW = Group("View", sort_key=2)
 DRAW = Group("Drawing", sort_key=3)
 READ = Group("Reading", sort_key=4)
 
-SLOTS = ("field", "gradient", "transfer", "shade", "lighting", "visibility", "integrate", "tone")
+SLOTS = ("field", "gradient", "transfer", "modulation", "shade", "lighting", "visibility", "integrate", "tone")
 
 
 def _stage(slot: str, what: str, example: str = "") -> Parameter:
@@ -32,25 +32,66 @@ class LookOptions:
     preset: Annotated[
         str | None, Parameter(group=LOOK, metavar="NAME", help=f"A transfer function made ready: {', '.join(presets.names())}.")
     ] = None
+    colormap: Annotated[
+        str | None,
+        Parameter(
+            group=LOOK,
+            metavar="NAME",
+            help="A colour map over the robust range of the data, faint where values are low (see airlight presets "
+            "--colormaps). E.g. viridis, magma_r, cmocean:ice.",
+        ),
+    ] = None
     tf: Annotated[
         str | None,
         Parameter(
             group=LOOK,
             metavar="FUNCTION",
             allow_leading_hyphen=True,
-            help="Transfer function: a .toml or .json file, or points VALUE:COLOUR:EXTINCTION (extinction per world unit), "
-            'e.g. "0:black:0 300:#ffaa88:0.02 1200:white:0.5".',
+            help="Transfer function: a .toml file, as the functions' save writes it (of one value or of several variables), a "
+            ".json file, or points "
+            'VALUE:COLOUR:EXTINCTION (extinction per world unit), e.g. "0:black:0 300:#ffaa88:0.02 1200:white:0.5".',
         ),
     ] = None
+    auto: Annotated[
+        Literal["boundaries", "boundaries2d"] | None,
+        Parameter(
+            group=LOOK,
+            help="Transfer function made of the data that shows the boundaries between materials, each in a colour of its own: "
+            "by value, or by value and gradient, which tells boundaries apart that share values.",
+        ),
+    ] = None
+    iso: Annotated[
+        tuple[str, ...],
+        Parameter(
+            group=LOOK,
+            metavar="SURFACE",
+            negative="",
+            consume_multiple=False,
+            allow_leading_hyphen=True,
+            help="Surface of equal value: VALUE, VALUE:COLOUR or VALUE:COLOUR:OPACITY (opaque unless told), then "
+            "BACK-COLOUR:BACK-OPACITY if the side of higher values is another. Repeatable. Alone, or beside the function of "
+            "--tf, --preset, --colormap or a scene file.",
+        ),
+    ] = ()
     field: Annotated[str | None, _stage("field", "Reconstruction")] = None
     gradient: Annotated[str | None, _stage("gradient", "Gradients", "precomputed:method=sobel")] = None
     transfer: Annotated[str | None, _stage("transfer", "Classification")] = None
+    modulation: Annotated[str | None, _stage("modulation", "Factor of extinction", "change:full_at=50")] = None
     shade: Annotated[str | None, _stage("shade", "Shading", "blinn_phong:ambient=0.2,shininess=40")] = None
     lighting: Annotated[str | None, _stage("lighting", "Where a slab is lit")] = None
     visibility: Annotated[str | None, _stage("visibility", "Shadows")] = None
     integrate: Annotated[str | None, _stage("integrate", "What is gathered along a ray", "first_hit:iso=300")] = None
     tone: Annotated[str | None, _stage("tone", "Tone mapping", "reinhard:key=0.18,exposure=1")] = None
     channel: Annotated[str | None, Parameter(group=LOOK, help="Channel, by number (from 0) or name.")] = None
+    channels: Annotated[
+        str | None,
+        Parameter(
+            group=LOOK,
+            metavar="CHANNELS",
+            help="Several channels in one picture, each in a colour: all, or CHANNEL or CHANNEL=COLOUR with commas between, "
+            "e.g. 0=green,1=magenta.",
+        ),
+    ] = None
     time: Annotated[int | None, Parameter(group=LOOK, help="Time step, from 0.")] = None
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from .. import stages as _stages  # noqa: F401  (makes the names of the stages known)
@@ -11,8 +13,12 @@ from ..errors import ValueRangeError
 from ..scene import VIEWS, Camera
 from ..scene_file import load_transfer, stage_from_values
 from ..stage import STAGES, Stage
-from ..transfer import TransferFunction, linear_rgb
+from ..transfer import Surface, TransferFunction, linear_rgb
+from ..transfer.kinds import AnyFunction
+from ..transfer.surfaces import checked_surfaces
 
+# Okabe and Ito, 2008.
+ISO_COLOURS = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7")
 UNITS = {"": 1, "k": 1 << 10, "m": 1 << 20, "g": 1 << 30, "t": 1 << 40}
 
 
@@ -85,7 +91,7 @@ def parse_camera(text: str) -> Camera | str:
     return Camera.perspective(eye=(ex, ey, ez), target=(tx, ty, tz), up=(up[0], up[1], up[2]))
 
 
-def parse_transfer(text: str) -> TransferFunction:
+def parse_transfer(text: str) -> AnyFunction:
     """Transfer function in a file, or ``value:colour:extinction`` triples with spaces between."""
     if text.lower().endswith((".toml", ".json")):
         return load_transfer(text)
@@ -102,6 +108,64 @@ def parse_transfer(text: str) -> TransferFunction:
         colour = parse_numbers(parts[1], (3,), "--tf") if "," in parts[1] else parts[1]
         points.append((value, colour, extinction))
     return TransferFunction(points)
+
+
+def parse_channels(text: str) -> dict[int | str, tuple[float, float, float] | None] | None:
+    """Channels, by number or name, with their linear colours, of ``0=green,1=magenta``; a colour may be left out.
+
+    None for ``all``.
+    """
+    if text.strip() == "all":
+        return None
+    found: dict[int | str, tuple[float, float, float] | None] = {}
+    for word in text.split(","):
+        name, equals, colour = (part.strip() for part in word.rpartition("=")) if "=" in word else (word.strip(), "", "")
+        if not name or (equals and not colour):
+            found_text = f"is {text!r}, must be all, or CHANNEL=COLOUR"
+            raise ValueRangeError("--channels", found_text, "e.g. --channels 0=green,1=magenta")
+        channel = int(name) if name.isdecimal() else name
+        if channel in found:
+            raise ValueRangeError("--channels", f"names {name} twice")
+        found[channel] = linear_rgb(colour, f"--channels {name}") if colour else None
+    return found
+
+
+def parse_iso(texts: Sequence[str]) -> tuple[Surface, ...]:
+    """Surfaces of equal value of ``value:colour:opacity:back colour:back opacity``, all but the value may be left out.
+
+    Those without a colour get one of seven that all eyes tell apart.
+    """
+    surfaces = []
+    for number, text in enumerate(texts):
+        value, colour, opacity, back_colour, back_opacity = (*text.split(":"), *[""] * 5)[:5]
+        if text.count(":") > 4:
+            raise ValueRangeError("--iso", f"is {text!r}, must be VALUE:COLOUR:OPACITY", "e.g. --iso 300:gold:0.5")
+        numbers = [_number(word, text) for word in (value, opacity or "1", back_opacity or "nan")]
+        colours = [
+            tuple(parse_numbers(word, (3,), "--iso")) if "," in word else word
+            for word in (colour or ISO_COLOURS[number % len(ISO_COLOURS)], back_colour)
+        ]
+        with renamed(f"--iso {text}"):
+            back = None if math.isnan(numbers[2]) else numbers[2]
+            surfaces.append(Surface(numbers[0], colours[0], numbers[1], colours[1] or None, back))
+    with renamed("--iso"):
+        return checked_surfaces(surfaces)
+
+
+def _number(word: str, text: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        raise ValueRangeError("--iso", f"is {text!r}, whose value and opacities must be numbers") from None
+
+
+@contextlib.contextmanager
+def renamed(option: str) -> Iterator[None]:
+    """Let errors of what was typed name its option."""
+    try:
+        yield
+    except ValueRangeError as error:
+        raise ValueRangeError(option, error.what, error.remedy) from None
 
 
 def parse_stage(slot: str, text: str) -> Stage:

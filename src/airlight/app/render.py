@@ -12,7 +12,8 @@ from cyclopts import Parameter
 from ..errors import FileError
 from ..scene import VIEWS, Scene
 from ..volume import statistics
-from .build import make_job
+from .build import is_scene, make_job
+from .labels import LabelOptions
 from .options import DrawOptions, LookOptions, ReadOptions, ViewOptions
 from .progress import ProgressBar
 
@@ -36,6 +37,7 @@ def render(
     view: ViewOptions | None = None,
     draw: DrawOptions | None = None,
     read: ReadOptions | None = None,
+    labels: LabelOptions | None = None,
     stats: Annotated[
         str | None,
         Parameter(
@@ -56,20 +58,30 @@ def render(
         airlight render head.nii.gz -o head.png
         airlight render ct.nrrd -o bone.png --preset ct-bone --camera iso --size 1024x1024
         airlight render ct.nrrd -o skin.png --tf "-200:#e2ac8b:0 100:#f0c8ac:0.4" --shade blinn_phong:shininess=40
+        airlight render tooth.nrrd -o tooth.png --auto boundaries2d
         airlight render cells.ome.tif -o cells.png --channel 1 --integrate mip --background black
+        airlight render cells.ome.tif -o mixture.png --channels 0=green,1=magenta
+        airlight render head.nii.gz -o brain.png --labels atlas.nii.gz --label-names atlas.txt --hide-labels 0
         airlight render foot.raw -o foot.png --shape 256x256x256 --dtype uint8 --spacing 1,1,1
         airlight render scene.toml -o - --stats | display
     """
     check_output(output)
     with ProgressBar() as progress:
         job = make_job(
-            input, look or LookOptions(), view or ViewOptions(), draw := draw or DrawOptions(), read or ReadOptions(), progress
+            input,
+            look or LookOptions(),
+            view or ViewOptions(),
+            draw := draw or DrawOptions(),
+            read or ReadOptions(),
+            progress,
+            labels,
         )
         from .. import api
 
         image = api.render(job.scene, job.size, device=draw.device, progress=progress, **job.arguments)
     if stats != "-":
-        for note in notes(job.scene, image, chosen=view is None or view.camera is None):
+        own = not is_scene(input) and (look is None or (look.channel is None and look.channels is None))
+        for note in notes(job.scene, image, chosen=view is None or view.camera is None, own_channel=own):
             print(f"note: {note}", file=sys.stderr)
     if output == "-":
         sys.stdout.buffer.write(image.png())
@@ -84,9 +96,11 @@ def render(
         write_stats(image.stats, stats)
 
 
-def notes(scene: Scene, image: Any, chosen: bool) -> Iterator[str]:
-    """Tell what a user might not expect of a picture: a view that was chosen against the file's axes, and an empty one."""
+def notes(scene: Scene, image: Any, chosen: bool, own_channel: bool = False) -> Iterator[str]:
+    """Tell what a user might not expect of a picture: channels left out, a view against the file's axes, and nothing at all."""
     layer = scene.layers[0]
+    if own_channel and layer.volume.channel_count > 1 and len(layer.channels) == 1:
+        yield f"this is channel 0 of {layer.volume.channel_count}; --channel N draws another, --channels all draws all in one"
     if chosen and layer.volume.anatomical and not isinstance(scene.camera, str):
         to_eye = np.subtract(scene.camera.eye, scene.camera.target)
         seen = max(VIEWS, key=lambda view: float(np.dot(to_eye, VIEWS[view][0]) / np.linalg.norm(VIEWS[view][0])))

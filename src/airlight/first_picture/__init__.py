@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 
-from ..scene import Layer, Look, Scene, fit_camera
+from ..scene import Camera, Layer, Look, Scene, fit_camera
+from ..stages.field_labels import are_alone
 from ..stages.shade import BlinnPhong
-from ..transfer import TransferFunction
+from ..transfer import Channels, TransferFunction
 from ..volume import Volume, statistics
-from .functions import chosen_function
+from .channels import automatic_channels, channels_picture
+from .functions import SOLID_PER_VOXEL, chosen_function
 from .survey import Survey, survey
 from .view import chosen_direction, chosen_lights, fitted_camera, visible_points
 
-__all__ = ["automatic_transfer", "first_picture", "projection_transfer", "resolve"]
+__all__ = ["automatic_channels", "automatic_transfer", "first_picture", "projection_transfer", "resolve", "resolved_camera"]
 
 BACKGROUND = (0.0, 0.0, 0.0)
 
@@ -36,8 +38,26 @@ def projection_transfer(volume: Volume, channel: int | str = 0, time: int = 0) -
     return TransferFunction([(low, "black", 0.0), (max(known.maximum, low), "white", 1.0)])
 
 
-def first_picture(volume: Volume, size_px: tuple[int, int] = (512, 512), *, channel: int | str = 0, time: int = 0) -> Scene:
-    """Return the scene that shows one channel of a volume well without any choice of the user's."""
+def occupancy_transfer(volume: Volume) -> TransferFunction:
+    """Solid where regions of labels take more than half of a place: what labels without an image are drawn with."""
+    solid = SOLID_PER_VOXEL / min(volume.spacing)
+    return TransferFunction([(0.25, "white", 0.0), (0.75, "white", solid)])
+
+
+def first_picture(
+    volume: Volume,
+    size_px: tuple[int, int] = (512, 512),
+    *,
+    channel: int | str = 0,
+    time: int = 0,
+    channels: Channels | None = None,
+) -> Scene:
+    """Return the scene that shows one channel of a volume well without any choice of the user's.
+
+    ``channels`` is a mixture to be shown instead, e.g. that of ``automatic_channels``.
+    """
+    if channels is not None:
+        return channels_picture(volume, channels, size_px, time)
     found = survey(volume, volume.channel_index(channel), time)
     function = automatic_transfer(volume, channel, time)
     points = visible_points(volume, function, found)
@@ -61,19 +81,25 @@ def resolve(scene: Scene, size_px: tuple[int, int]) -> Scene:
         layer if layer.transfer is not None else dataclasses.replace(layer, transfer=_function_for(layer))
         for layer in scene.layers
     )
-    camera = scene.camera
-    if isinstance(camera, str):
-        corners = [
-            c
-            for layer in scene.visible_layers or scene.layers
-            for c in layer.volume.corners_world(cells=getattr(layer.look.field, "cells", False))
-        ]
-        camera = fit_camera(camera, corners, size_px[0] / size_px[1])
-    return dataclasses.replace(scene, layers=layers, camera=camera)
+    return dataclasses.replace(scene, layers=layers, camera=resolved_camera(scene, size_px))
+
+
+def resolved_camera(scene: Scene, size_px: tuple[int, int]) -> Camera:
+    """Camera of a scene; that of a named view shows all that is visible."""
+    if not isinstance(scene.camera, str):
+        return scene.camera
+    corners = [
+        c
+        for layer in scene.visible_layers or scene.layers
+        for c in layer.volume.corners_world(cells=getattr(layer.look.field, "cells", False))
+    ]
+    return fit_camera(scene.camera, corners, size_px[0] / size_px[1])
 
 
 def _function_for(layer: Layer) -> TransferFunction:
     """Return a function for a layer without one; what projects values shows all of them."""
+    if are_alone(layer.labels, layer.volume):
+        return occupancy_transfer(layer.volume)
     projects = not getattr(layer.look.integrate, "uses_slabs", True)
     choose = projection_transfer if projects else automatic_transfer
     return choose(layer.volume, layer.channel, layer.time)

@@ -36,7 +36,7 @@ def chosen_function(volume: Volume, found: Survey) -> TransferFunction:
     if found.kind == "empty":
         return TransferFunction([(0.0, "white", 0.0)])
     if found.kind == "constant":
-        return TransferFunction([(found.background, STONE[1], 2.0 / _extent(volume))])
+        return TransferFunction([(found.background, STONE[1], 2.0 / way_through(volume))])
     if found.kind == "mask":
         return _mask(found, solid)
     if found.kind == "labels":
@@ -44,13 +44,13 @@ def chosen_function(volume: Volume, found: Survey) -> TransferFunction:
     if found.kind == "ct":
         return _ct(found, spacing)
     if found.kind == "signed":
-        return _signed(found, _extent(volume))
+        return _signed(found, way_through(volume))
     if found.kind == "object":
         return _object(found, solid, FLESH if volume.anatomical else STONE)
-    return _cloud(found, _extent(volume), min(volume.spacing))
+    return _cloud(found, way_through(volume), min(volume.spacing))
 
 
-def _extent(volume: Volume) -> float:
+def way_through(volume: Volume) -> float:
     """Way through the volume, about: the geometric mean of its sides."""
     return float(np.prod([n * s for n, s in zip(volume.size, volume.spacing, strict=True)]) ** (1 / 3))
 
@@ -115,11 +115,11 @@ def _signed(found: Survey, extent: float) -> TransferFunction:
     magnitude = magnitude[magnitude > 0]
     high = float(np.percentile(magnitude, 99.7))
     low = max(float(np.percentile(magnitude, 70)), 0.06 * high)
-    levels = _levels(low, high, 3)
+    at = levels(low, high, 3)
     depths = (0.0, 12.0, 40.0, 90.0)
     warm, cool = ("#6a2410", "#c8502a", "#f09a50", "#ffe2b0"), ("#102a6a", "#2a6ac0", "#58b4e8", "#c8f0ff")
-    below: list[Point] = [(-v, c, d / extent) for v, c, d in zip(levels, cool, depths, strict=True)]
-    above: list[Point] = [(v, c, d / extent) for v, c, d in zip(levels, warm, depths, strict=True)]
+    below: list[Point] = [(-v, c, d / extent) for v, c, d in zip(at, cool, depths, strict=True)]
+    above: list[Point] = [(v, c, d / extent) for v, c, d in zip(at, warm, depths, strict=True)]
     return TransferFunction([*below[::-1], *above])
 
 
@@ -151,11 +151,11 @@ def _cloud(found: Survey, extent: float, spacing: float) -> TransferFunction:
         low, high = found.known.minimum, found.known.maximum
     else:
         low = found.begin
-    levels = _levels(low, high, 4)
+    at = levels(low, high, 4)
     depths = (0.0, 6.0, 20.0, 50.0, 90.0)
-    return TransferFunction([(v, c, d / extent) for v, c, d in zip(levels, GLOW, depths, strict=True)])
+    return TransferFunction([(v, c, d / extent) for v, c, d in zip(at, GLOW, depths, strict=True)])
 
 
-def _levels(low: float, high: float, count: int) -> FloatArray:
+def levels(low: float, high: float, count: int) -> FloatArray:
     """Values from low to high, closer at the low end; no segment is narrower than a small table can hold."""
     return low + (high - low) * np.linspace(0, 1, count + 1) ** 1.4

@@ -6,6 +6,8 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 import wgpu
 
 from ..errors import ShaderError
@@ -67,16 +69,19 @@ def _layout_entry(device: Device, binding: Binding) -> dict[str, Any]:
     match binding.kind:
         case "uniform":
             entry["buffer"] = {"type": "uniform"}
-        case "lights":
+        case "lights" | "records":
             entry["buffer"] = {"type": "read-only-storage"}
         case "buffer":
             entry["buffer"] = {"type": "storage"}
         case "storage_texture":
             shape, _, rest = binding.type.removeprefix("texture_storage_").partition("<")
-            entry["storage_texture"] = {"access": "write-only", "format": rest.split(",")[0], "view_dimension": shape}
-        case "table" | "loaded_grid":
+            dimension = shape.replace("_", "-")
+            entry["storage_texture"] = {"access": "write-only", "format": rest.split(",")[0], "view_dimension": dimension}
+        case "table" | "layers" | "loaded_grid":
             kind = "float" if device.traits.filters_float32 else "unfilterable-float"
-            entry["texture"] = {"sample_type": kind, "view_dimension": "3d"}
+            entry["texture"] = {"sample_type": kind, "view_dimension": "2d-array" if binding.kind == "layers" else "3d"}
+        case "labels":
+            entry["texture"] = {"sample_type": "uint", "view_dimension": "3d"}
         case "grid" | "gradients":
             entry["texture"] = {"sample_type": "float", "view_dimension": "3d"}
         case "sampler":
@@ -129,6 +134,24 @@ def write_uniforms(device: Device, name: str, data: bytes) -> Any:
     usage = wgpu.BufferUsage
     target = buffer(device, name, len(data), usage.UNIFORM | usage.COPY_DST)
     device.queue.write_buffer(target, 0, data)
+    return target
+
+
+def release(device: Device, *names: Hashable) -> None:
+    """Let buffers go that no next frame is likely to ask for."""
+    for name in names:
+        device.kept.pop(name, None)
+
+
+def records_buffer(device: Device, rows: npt.NDArray[np.float32]) -> Any:
+    """Make a storage buffer with these rows, which does not change."""
+    return device.gpu.create_buffer_with_data(data=np.ascontiguousarray(rows), usage=wgpu.BufferUsage.STORAGE)
+
+
+def write_records(device: Device, name: Hashable, rows: npt.NDArray[np.float32]) -> Any:
+    """Storage buffer of a pass with these rows."""
+    target = storage_buffer(device, name, rows.nbytes)
+    device.queue.write_buffer(target, 0, np.ascontiguousarray(rows))
     return target
 
 

@@ -7,7 +7,7 @@ as half floats there, which hold whole numbers up to 2048 exactly.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from ..volume import is_empty, statistics
 from .device import Device
 
 CHUNK_BYTES = 32 << 20
+WIDTHS = {1: "r", 2: "rg", 4: "rgba"}
 EMPTY = np.float32(-3.4e38)
 
 Progress = Callable[[str, int, int], None]
@@ -45,8 +46,16 @@ class VolumeTexture:
     bytes: int
 
 
-def choose_encoding(dtype: np.dtype[Any], low: float, high: float, *, filtered: bool, device: Device) -> Encoding:
-    """Encoding for samples of a type within a range; what is not ``filtered`` by the sampler may use any format."""
+def choose_encoding(
+    dtype: np.dtype[Any], low: float, high: float, *, filtered: bool, device: Device, width: int = 1
+) -> Encoding:
+    """Encoding for samples of a type within a range, ``width`` to a texel: 1, 2 or 4.
+
+    What is not ``filtered`` by the sampler may use any format.
+    """
+    if width > 1:
+        one = choose_encoding(dtype, low, high, filtered=filtered, device=device)
+        return replace(one, format=WIDTHS[width] + one.format.removeprefix("r"))
     software, unorm16 = device.info.kind == "software", "texture-format16bit-norm" in device.features
     float32 = not filtered or device.traits.filters_float32
     if dtype.kind == "b" or (dtype.kind in "iu" and dtype.itemsize == 1):
@@ -97,36 +106,76 @@ def encode_masked(part: npt.NDArray[Any], no_data: float | None) -> npt.NDArray[
 
 
 def upload_grid(device: Device, grid: Grid, progress: Progress) -> VolumeTexture:
-    """Put one channel at one time step into a 3-D texture, in chunks of whole slices.
+    """Put channels at one time step into a 3-D texture, in chunks of whole slices.
 
     Raises
     ------
     LimitError
-        When the grid is larger than the device's textures.
+        When the grid, or the stack of its channels, is larger than the device's textures.
     """
     volume, size = grid.volume, grid.volume.size
-    samples = volume.grid(grid.channel, grid.time)
     check_size(device, size)
-    if grid.masked:
-        encoding = Encoding("r32float", "f4", 1.0, 0.0, 0.0 if samples.dtype.itemsize <= 2 else 2.0**-24)
-    else:
-        known = statistics(volume, grid.channel, grid.time)
-        encoding = choose_encoding(samples.dtype, known.minimum, known.maximum, filtered=grid.filtered, device=device)
+    stacks = [grid.channels[first : first + 4] for first in range(0, len(grid.channels), 4)]
+    check_stack(device, size, len(stacks))
+    encoding, width = encoding_of(device, grid), texel_width(grid)
     usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
-    texture = device.gpu.create_texture(size=size, dimension="3d", format=encoding.format, usage=usage)
-    row = size[0] * np.dtype(encoding.dtype).itemsize
+    shape = (size[0], size[1], size[2] * len(stacks))
+    texture = device.gpu.create_texture(size=shape, dimension="3d", format=encoding.format, usage=usage)
+    row = size[0] * width * np.dtype(encoding.dtype).itemsize
     rows = max(1, CHUNK_BYTES // max(1, row * size[1]))
-    for z in range(0, size[2], rows):
-        part = samples[z : z + rows]
-        part = encode_masked(part, volume.no_data) if grid.masked else encode(part, encoding)
-        device.queue.write_texture(
-            {"texture": texture, "origin": (0, 0, z)},
-            np.ascontiguousarray(part),
-            {"bytes_per_row": row, "rows_per_image": size[1]},
-            (size[0], size[1], part.shape[0]),
+    for stack, channels in enumerate(stacks):
+        samples = [volume.grid(channel, grid.time) for channel in channels]
+        for z in range(0, size[2], rows):
+            part = _texels([s[z : z + rows] for s in samples], grid, encoding, width)
+            first = stack * size[2] + z
+            device.queue.write_texture(
+                {"texture": texture, "origin": (0, 0, first)},
+                np.ascontiguousarray(part),
+                {"bytes_per_row": row, "rows_per_image": size[1]},
+                (size[0], size[1], part.shape[0]),
+            )
+            progress("upload", first + part.shape[0], shape[2])
+    return VolumeTexture(texture, encoding, row * size[1] * shape[2])
+
+
+def texel_width(grid: Grid) -> int:
+    """Samples to a texel. Where empty samples are marked, all four places of a texel are."""
+    return 1 if len(grid.channels) == 1 else 2 if len(grid.channels) == 2 and not grid.masked else 4
+
+
+def encoding_of(device: Device, grid: Grid) -> Encoding:
+    """Encoding of a grid, one for all its channels."""
+    dtype, width = grid.volume.dtype, texel_width(grid)
+    if grid.masked:
+        return Encoding(f"{WIDTHS[width]}32float", "f4", 1.0, 0.0, 0.0 if dtype.itemsize <= 2 else 2.0**-24)
+    known = [statistics(grid.volume, channel, grid.time) for channel in grid.channels]
+    low, high = min(k.minimum for k in known), max(k.maximum for k in known)
+    return choose_encoding(dtype, low, high, filtered=grid.filtered, device=device, width=width)
+
+
+def _texels(samples: list[npt.NDArray[Any]], grid: Grid, encoding: Encoding, width: int) -> npt.NDArray[Any]:
+    """Texels of the same slices of channels; what a channel more would have is empty, or the least that texels hold."""
+
+    def one(part: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        return encode_masked(part, grid.volume.no_data) if grid.masked else encode(part, encoding)
+
+    if width == 1:
+        return one(samples[0])
+    texels = np.full((*samples[0].shape, width), EMPTY if grid.masked else 0, dtype=encoding.dtype)
+    for number, part in enumerate(samples):
+        texels[..., number] = one(part)
+    return texels
+
+
+def check_stack(device: Device, size: tuple[int, int, int], groups: int) -> None:
+    """Refuse more groups of four channels, one behind the other, than the device's 3-D textures are deep."""
+    most = device.limits["max-texture-dimension-3d"]
+    if size[2] * groups > most:
+        raise LimitError(
+            "transfer.channels",
+            f"make {groups} groups of four with {size[2]} slices each; {device.info.name} holds at most {most} slices",
+            f"draw {4 * (most // size[2])} channels at a time, or crop the volume",
         )
-        progress("upload", min(z + rows, size[2]), size[2])
-    return VolumeTexture(texture, encoding, row * size[1] * size[2])
 
 
 def check_size(device: Device, size: tuple[int, int, int]) -> None:

@@ -17,11 +17,14 @@ from ..errors import DataError, StageError
 from ..scene import Scene, fit_camera
 from ..stage import make_stage
 from ..volume import FloatArray
+from . import channels as _channels  # noqa: F401  (its functions put themselves into TRANSFERS)
 from .camera import CAMERAS
 from .field import FIELDS
 from .gradient import GRADIENTS
 from .integrate import INTEGRATES
 from .march import march
+from .modulation import MODULATIONS
+from .region import REGIONS
 from .setup import Setup
 from .shade import LIGHTINGS, SHADES, VISIBILITIES
 from .tone import TONES
@@ -35,6 +38,8 @@ TABLES: dict[str, dict[str, Any]] = {
     "field": FIELDS,
     "gradient": GRADIENTS,
     "transfer": TRANSFERS,
+    "modulation": MODULATIONS,
+    "region": REGIONS,
     "shade": SHADES,
     "visibility": VISIBILITIES,
     "lighting": LIGHTINGS,
@@ -80,6 +85,7 @@ def render(
     progress: Callable[[float], None] | None = None,
     pixels: npt.ArrayLike | None = None,
     offset_fraction: Fraction | None = None,
+    curved: bool = False,
 ) -> ReferenceImage:
     """Render a scene of one visible layer.
 
@@ -99,6 +105,8 @@ def render(
         Pixels (n, 2) to be computed, as (x, y); None is all.
     offset_fraction
         Called with x and y of pixels; the fraction of a step by which samples of each are shifted away from the eye.
+    curved
+        Whether values are put right for the field's curvature along rays, as the driver's option of that name does.
 
     Raises
     ------
@@ -106,7 +114,7 @@ def render(
         When the scene does not have one visible layer with a transfer function, or a stage has no function here.
     """
     setup = prepare(scene)
-    return _image(scene, setup, size, step / (substeps or 1), pixels, progress, offset_fraction)
+    return _image(scene, setup, size, step / (substeps or 1), pixels, progress, offset_fraction, curved)
 
 
 def converged(
@@ -129,11 +137,11 @@ def prepare(scene: Scene) -> Setup:
     (layer,) = scene.visible_layers
     if layer.transfer is None:
         raise DataError("layer.transfer", "is None, and the reference chooses no function", "pass a TransferFunction")
-    stages = layer.look.stages()
+    stages = layer.stages()
     for slot, stage in stages.items():
         if slot in TABLES and stage.name not in TABLES[slot]:
             raise DataError(f"look.{slot}", f"is {stage.name}, which has no function here", "use reference.register")
-    return Setup(layer, layer.transfer.scaled(layer.density), stages, scene.lights)
+    return Setup(layer, layer.function, stages, scene.lights)
 
 
 def _image(
@@ -144,6 +152,7 @@ def _image(
     pixels: npt.ArrayLike | None,
     progress: Callable[[float], None] | None = None,
     offset_fraction: Fraction | None = None,
+    curved: bool = False,
 ) -> ReferenceImage:
     # Choose the camera.
     (width, height), camera, tone = size, scene.camera, setup.stages["tone"]
@@ -162,7 +171,7 @@ def _image(
         part = slice(first, first + RAYS_AT_ONCE)
         origin, direction = CAMERAS[camera.name](camera, size, x[part], y[part])
         fraction = 0.0 if offset_fraction is None else np.asarray(offset_fraction(x[part], y[part]), dtype=np.float64)
-        result = march(setup, origin, direction, step * setup.spacing_world, fraction)
+        result = march(setup, origin, direction, step * setup.spacing_world, fraction, curved)
         rgba[part, :3], rgba[part, 3], depth[part] = result.rgb, result.alpha, result.t_world
         if progress is not None:
             progress(min(1.0, (first + RAYS_AT_ONCE) / len(x)))

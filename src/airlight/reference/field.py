@@ -1,6 +1,7 @@
 """Fields: the continuous function that reconstruction makes of the samples.
 
-``field(setup, p_index (n, 3)) -> (value (n,), empty (n,))``; points beyond the outer voxel centres take the values there.
+``field(setup, p_index (n, 3)) -> (value (n,), empty (n,))``, media (n, 4) from ``preclassified``; points beyond the outer
+voxel centres take the values there.
 """
 
 from __future__ import annotations
@@ -9,15 +10,20 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..transfer.channels import Channels
 from ..volume import FloatArray
+from .region import mixed_opacity, occupancy
 from .setup import BoolArray, IntArray, Setup
 
 Values = tuple[FloatArray, BoolArray]
 
 
 def field_value(setup: Setup, p_index: FloatArray) -> Values:
-    """Value of the layer's field, 0 where it is empty."""
-    return FIELDS[setup.stages["field"].name](setup, p_index)
+    """Value of the layer's field, 0 where it is empty; of several channels NaN where they are."""
+    value, empty = FIELDS[setup.stages["field"].name](setup, p_index)
+    if empty.ndim == 1:
+        return value, empty
+    return np.where(empty, np.nan, value), np.asarray(empty.all(axis=1))
 
 
 def nearest(setup: Setup, p_index: FloatArray) -> Values:
@@ -36,6 +42,46 @@ def linear(setup: Setup, p_index: FloatArray) -> Values:
     empty = weight < 0.5
     value = trilinear(setup.grid, p_index) / np.where(empty, 1.0, weight)
     return np.where(empty, 0.0, value), empty
+
+
+def field_scalar(setup: Setup, p_index: FloatArray) -> Values:
+    """Value (n,) of which gradients are taken: that of the samples where the field itself holds media.
+
+    Of a mixture it is a weighted sum of its channels, each held where it is seen; of other functions the first channel.
+    """
+    if setup.stages["field"].name in ("preclassified", "preclassified_masked"):
+        return linear(setup, p_index)
+    if setup.stages["field"].name == "occupancy":
+        return mixed_opacity(setup, p_index)
+    value, empty = field_value(setup, p_index)
+    if value.ndim == 1:
+        return value, empty
+    if not isinstance(setup.function, Channels):
+        return np.where(np.isnan(value[:, 0]), 0.0, value[:, 0]), np.isnan(value[:, 0])
+    total = np.zeros(len(value))
+    for part, line in zip(setup.function.visible, setup.function.slopes, strict=True):
+        here = value[:, setup.channels.index(setup.layer.volume.channel_index(part.channel))]
+        total += line.weight * np.clip(np.where(np.isnan(here), line.nothing, here), line.low, line.high)
+    return np.where(empty, 0.0, total), empty
+
+
+def preclassified(setup: Setup, p_index: FloatArray) -> Values:
+    """Source and extinction (n, 4) of the classified voxels, interpolated as ``linear`` does with values."""
+    function, weighted = setup.function, setup.stages["field"].weighted or setup.function.associated
+    if "classified" not in setup.once:
+        rgb, extinction = function.source(setup.grid) if weighted else function(setup.grid)[0], function(setup.grid)[1]
+        setup.once["classified"] = np.concatenate([rgb, extinction[..., None]], axis=-1)
+    media = setup.once["classified"]
+    empty = np.zeros(len(p_index), dtype=bool)
+    if setup.full is None:
+        value = trilinear(media, p_index)
+    else:
+        weight = trilinear(setup.full, p_index)
+        empty = weight < 0.5
+        value = trilinear(media * setup.full[..., None], p_index) / np.where(empty, 1.0, weight)[:, None]
+    if not weighted:
+        value[:, :3] *= value[:, 3:]
+    return np.where(empty[:, None], 0.0, value), empty
 
 
 @np.errstate(under="ignore")
@@ -76,4 +122,12 @@ FIELDS: dict[str, Callable[[Setup, FloatArray], Values]] = {
     "linear": linear,
     "linear_exact": linear,
     "linear_masked": linear,
+    "occupancy": occupancy,
+    "nearest_channels": nearest,
+    "nearest_channels_masked": nearest,
+    "linear_channels": linear,
+    "linear_exact_channels": linear,
+    "linear_channels_masked": linear,
+    "preclassified": preclassified,
+    "preclassified_masked": preclassified,
 }

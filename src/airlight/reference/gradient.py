@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..volume import FloatArray
-from .field import field_value, trilinear
+from .field import field_scalar, trilinear
 from .setup import BoolArray, Setup
 
 SOBEL = {(i, j): (2 - abs(i)) * (2 - abs(j)) for i in (-1, 0, 1) for j in (-1, 0, 1)}
@@ -51,7 +51,7 @@ def sobel(setup: Setup, p_index: FloatArray) -> FloatArray:
 def precomputed(setup: Setup, p_index: FloatArray) -> FloatArray:
     """Gradients at the voxels by the stage's ``method``, interpolated trilinearly whatever the field."""
     if "gradient" not in setup.once:
-        nz, ny, nx = setup.grid.shape
+        nz, ny, nx = setup.grid.shape[:3]
         z, y, x = np.meshgrid(np.arange(nz), np.arange(ny), np.arange(nx), indexing="ij")
         voxels = np.stack([x, y, z], axis=-1).reshape(-1, 3).astype(np.float64)
         method = GRADIENTS[setup.stages["gradient"].method]
@@ -68,11 +68,11 @@ def _slope(setup: Setup, p_index: FloatArray, axis: int) -> tuple[FloatArray, Bo
     low, high = p_index.copy(), p_index.copy()
     low[:, axis] = np.maximum(p_index[:, axis] - 1, setup.domain[0][axis])
     high[:, axis] = np.minimum(p_index[:, axis] + 1, setup.domain[1][axis])
-    (low_value, low_empty), (high_value, high_empty) = field_value(setup, low), field_value(setup, high)
+    (low_value, low_empty), (high_value, high_empty) = field_scalar(setup, low), field_scalar(setup, high)
     known = np.ones(len(p_index), dtype=bool)
     width = high[:, axis] - low[:, axis]
     if setup.full is not None:
-        here, here_empty = field_value(setup, p_index)
+        here, here_empty = field_scalar(setup, p_index)
         width = np.where(high_empty, p_index[:, axis], high[:, axis]) - np.where(low_empty, p_index[:, axis], low[:, axis])
         low_value, high_value = np.where(low_empty, here, low_value), np.where(high_empty, here, high_value)
         known = ~here_empty & (width > 0)

@@ -5,14 +5,18 @@ Arrays of ``Accumulated`` hold all rays; ``take`` gets the numbers of those whos
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
+from ..transfer.joint import JointFunction
 from ..volume import FloatArray
+from .modulation import weight
+from .region import part_at
 from .setup import BoolArray, IntArray, Sample, Setup, Slab
-from .transfer import TRANSFERS
+from .surfaces import opacity_share
+from .transfer import TRANSFERS, colour
 
 
 @dataclass(eq=False)
@@ -44,8 +48,11 @@ class Integrate:
         raise NotImplementedError
 
     def classify(self, front: Sample, back: Sample, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Colour and opacity of slabs, before light."""
-        return TRANSFERS[self.setup.stages["transfer"].name](self.setup, front, back, length)
+        """Colour and opacity of slabs, before light; the region in the middle of a slab tints and thins all of it."""
+        tint, opacity = part_at(self.setup, (front.p_index + back.p_index) / 2)
+        thinned = length * opacity * weight(self.setup, front, back, length)
+        rgb, alpha = TRANSFERS[self.setup.stages["transfer"].name](self.setup, front, back, thinned)
+        return rgb * tint, alpha
 
     def take(self, acc: Accumulated, rays: IntArray, slab: Slab) -> BoolArray:
         """Add the next slab of each of the rays; return which of them need no more."""
@@ -67,10 +74,10 @@ class EmissionAbsorption(Integrate):
         acc.rgb[rays] += (1 - before)[:, None] * slab.rgb
         after = before + (1 - before) * slab.alpha
         acc.alpha[rays] = after
-        # Find the depth inside the slab, where opacity follows the exponential law.
+        # Find the depth inside the slab.
         passes = np.nonzero((before < 0.5) & (after >= 0.5))[0]
-        clear = np.log(0.5 / (1 - before[passes])) / np.log1p(-np.minimum(slab.alpha[passes], 1 - 1e-15))
-        acc.t_world[rays[passes]] = slab.front.t_world[passes] + np.clip(clear, 0.0, 1.0) * slab.length[passes]
+        share = opacity_share(self.setup, slab, passes, 1 - 0.5 / (1 - before[passes]))
+        acc.t_world[rays[passes]] = slab.front.t_world[passes] + share * slab.length[passes]
         return np.asarray(after >= self.stage.opaque_at)
 
 
@@ -85,11 +92,14 @@ class Extreme(Integrate):
             better = (acc.alpha[rays] == 0) | (self.sign * end.value > self.sign * acc.value[rays])
             chosen = rays[better]
             acc.value[chosen], acc.t_world[chosen], acc.alpha[chosen] = end.value[better], end.t_world[better], 1.0
+            if isinstance(self.setup.function, JointFunction):
+                acc.rgb[chosen] = colour(self.setup, end[better])
         return np.zeros(len(rays), dtype=bool)
 
     def finish(self, acc: Accumulated) -> Accumulated:
-        """Colour the value."""
-        acc.rgb = self.setup.function(acc.value)[0] * acc.alpha[:, None]
+        """Colour the value, where that alone has a colour."""
+        if not isinstance(self.setup.function, JointFunction):
+            acc.rgb = self.setup.function(acc.value)[0] * acc.alpha[:, None]
         return acc
 
 
@@ -133,14 +143,22 @@ class FirstHit(Integrate):
         self.iso = setup.function.half_extinction_value if self.stage.iso is None else float(self.stage.iso)
 
     def surface(self, front: Sample, back: Sample) -> FloatArray:
-        """Reach the iso-value inside the slab, or begin at or above it; rays below it have not crossed it yet."""
+        """Reach the iso-value inside the slab, or begin at or above it, where at least half of the region is drawn."""
         crossing = (front.value < self.iso) & (back.value >= self.iso)
         rise = np.where(crossing, back.value - front.value, 1.0)
-        return np.where(crossing, (self.iso - front.value) / rise, np.where(front.value >= self.iso, 0.0, 2.0))
+        cut = np.where(crossing, (self.iso - front.value) / rise, np.where(front.value >= self.iso, 0.0, 2.0))
+        # Opacity runs straight from end to end: a surface may be hidden, or appear where the hidden part ends.
+        one, other = part_at(self.setup, front.p_index)[1], part_at(self.setup, back.p_index)[1]
+        shown = (1 - cut) * one + cut * other >= 0.5
+        appears = ~shown & (cut <= 1) & (other >= 0.5)
+        begin = np.where(appears, (0.5 - one) / np.where(appears, other - one, 1.0), 2.0)
+        inside = appears & ((1 - begin) * front.value + begin * back.value >= self.iso)
+        return np.where(shown | (cut > 1), cut, np.where(inside, begin, 2.0))
 
     def classify(self, front: Sample, back: Sample, length: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the opaque surface."""
-        return self.setup.function(np.maximum(front.value, self.iso))[0], np.ones(len(length))
+        front = replace(front, value=np.maximum(front.value, self.iso))
+        return colour(self.setup, front) * part_at(self.setup, front.p_index)[0], np.ones(len(length))
 
     def take(self, acc: Accumulated, rays: IntArray, slab: Slab) -> BoolArray:
         """Keep the surface and stop."""

@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from ..scene import Layer, Light
-from ..transfer.function import TransferFunction
 from ..volume import FloatArray, is_empty
 
 BoolArray = npt.NDArray[np.bool_]
@@ -26,23 +25,35 @@ class Setup:
     """One layer with its effective stages by slot, its function scaled by its density, and the lights."""
 
     layer: Layer
-    function: TransferFunction
+    function: Any
     stages: Mapping[str, Any]
     lights: tuple[Light, ...] = ()
     once: dict[str, FloatArray] = field(default_factory=dict)  # what a stage computes once for the volume, by its name
 
     @cached_property
+    def channels(self) -> tuple[int, ...]:
+        """Numbers of the channels that the function looks at."""
+        return self.layer.channels
+
+    @cached_property
     def grid(self) -> FloatArray:
-        """Samples ``(z, y, x)`` in data units; 0 where empty."""
-        samples = self.layer.volume.grid(self.layer.channel, self.layer.time).astype(np.float64)
+        """Samples ``(z, y, x)``, of several channels ``(z, y, x, c)``, in data units; 0 where empty."""
+        samples = self._stacked([self.layer.volume.grid(c, self.layer.time) for c in self.channels]).astype(np.float64)
         return samples if self.full is None else np.where(self.full > 0, samples, 0.0)
 
     @cached_property
     def full(self) -> FloatArray | None:
-        """1 where a sample is not empty, 0 where it is; None when no sample is empty."""
+        """1 where a sample is not empty, 0 where it is, in the shape of ``grid``; None when no sample is empty."""
         volume = self.layer.volume
-        empty = is_empty(volume.grid(self.layer.channel, self.layer.time), volume.no_data)
-        return None if empty is None else (~empty).astype(np.float64)
+        grids = [volume.grid(c, self.layer.time) for c in self.channels]
+        masks = [is_empty(grid, volume.no_data) for grid in grids]
+        if all(mask is None for mask in masks):
+            return None
+        return 1.0 - self._stacked([np.zeros(grids[0].shape) if mask is None else mask.astype(np.float64) for mask in masks])
+
+    @staticmethod
+    def _stacked(grids: list[npt.NDArray[Any]]) -> npt.NDArray[Any]:
+        return grids[0] if len(grids) == 1 else np.stack(grids, axis=-1)
 
     @cached_property
     def domain(self) -> tuple[FloatArray, FloatArray]:
@@ -64,7 +75,10 @@ class Setup:
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Samples of the field, one a ray: ``value`` (n,), ``empty`` (n,), points (n, 3), ``t_world`` (n,)."""
+    """Samples of the field, one a ray: ``value`` (n,), ``empty`` (n,), points (n, 3), ``t_world`` (n,).
+
+    Of several channels ``value`` is (n, c), NaN where a channel is empty; ``empty`` are samples in which all are.
+    """
 
     value: FloatArray
     empty: BoolArray
@@ -75,11 +89,13 @@ class Sample:
     def __getitem__(self, rows: BoolArray | IntArray) -> Sample:
         return Sample(self.value[rows], self.empty[rows], self.p_index[rows], self.p_world[rows], self.t_world[rows])
 
-    def towards(self, other: Sample, share: float) -> Sample:
-        """Return the points at a share of the way to ``other``, with values in between."""
+    def towards(self, other: Sample, share: FloatArray) -> Sample:
+        """Return the points at shares (n,) of the way to ``other``, with values in between."""
 
         def mix(name: str) -> FloatArray:
-            return np.asarray((1 - share) * getattr(self, name) + share * getattr(other, name))
+            mine, theirs = getattr(self, name), getattr(other, name)
+            w = share.reshape(-1, *[1] * (mine.ndim - 1))
+            return np.asarray((1 - w) * mine + w * theirs)
 
         return Sample(mix("value"), self.empty & other.empty, mix("p_index"), mix("p_world"), mix("t_world"))
 

@@ -12,9 +12,11 @@ from collections.abc import Callable
 import numpy as np
 
 from ..scene import Light
+from ..transfer.channels import Channels, Slope
 from ..volume import FloatArray, statistics
 from .gradient import field_gradient
 from .setup import Lit, Sample, Setup, Slab
+from .surfaces import lit_share
 
 
 def none(setup: Setup, sample: Sample, gradient: FloatArray, to_eye: FloatArray) -> Lit:
@@ -46,8 +48,17 @@ def blinn_phong(setup: Setup, sample: Sample, gradient: FloatArray, to_eye: Floa
 
 def automatic_threshold(setup: Setup) -> float:
     """1/2000 of the range between the percentiles 0.5 and 99.5 per smallest spacing."""
-    known = statistics(setup.layer.volume, setup.layer.channel, setup.layer.time)
-    return (known.percentile(99.5) - known.percentile(0.5)) / 2000 / setup.spacing_world
+    if setup.stages["field"].name == "occupancy":
+        return 1 / 2000 / setup.spacing_world
+    volume, ranges = setup.layer.volume, []
+    mixture = isinstance(setup.function, Channels)
+    # A mixture has the range of the channel that weighs most, of what is seen of it.
+    named = [part.channel for part in setup.function.visible] if mixture else [setup.channels[0]]
+    for channel, line in zip(named, setup.function.slopes if mixture else [Slope(1.0)], strict=True):
+        known = statistics(volume, channel, setup.layer.time)
+        low, high = np.clip([known.percentile(0.5), known.percentile(99.5)], line.low, line.high)
+        ranges.append(abs(line.weight) * (high - low))
+    return float(max(ranges)) / 2000 / setup.spacing_world
 
 
 def incidence(lamp: Light, p_world: FloatArray, to_eye: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -77,20 +88,20 @@ def unlit(setup: Setup, slab: Slab, to_eye: FloatArray) -> FloatArray:
 
 
 def sampled(setup: Setup, slab: Slab, to_eye: FloatArray) -> FloatArray:
-    """Light slabs that are not empty in their middle."""
-    return _lit_at(setup, slab, to_eye, 0.5)
+    """Light slabs that are not empty at one place: their middle, or where their surfaces are."""
+    return _lit_at(setup, slab, to_eye, lit_share(setup, slab))
 
 
 def supersampled(setup: Setup, slab: Slab, to_eye: FloatArray) -> FloatArray:
     """Light slabs that are not empty at the two nodes of Gauss' rule."""
     nodes = 0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)
-    return np.asarray(sum(_lit_at(setup, slab, to_eye, share) for share in nodes) / 2)
+    return np.asarray(sum(_lit_at(setup, slab, to_eye, np.full(len(slab.length), share)) for share in nodes) / 2)
 
 
-def _lit_at(setup: Setup, slab: Slab, to_eye: FloatArray, share: float) -> FloatArray:
-    """Light slabs as they are lit at one place, given as a share of their length."""
+def _lit_at(setup: Setup, slab: Slab, to_eye: FloatArray, share: FloatArray) -> FloatArray:
+    """Light slabs as they are lit at one place of each, given as shares (n,) of their lengths."""
     rows = np.nonzero((slab.alpha > 0) | (slab.rgb > 0).any(axis=1))[0]
-    rgb, point = slab.rgb.copy(), slab.front[rows].towards(slab.back[rows], share)
+    rgb, point = slab.rgb.copy(), slab.front[rows].towards(slab.back[rows], share[rows])
     lit = SHADES[setup.stages["shade"].name](setup, point, field_gradient(setup, point.p_index), to_eye[rows])
     rgb[rows] = rgb[rows] * lit.diffuse + slab.alpha[rows, None] * lit.specular
     return rgb

@@ -19,7 +19,6 @@ from ..gpu.textures import Progress
 from ..scene import Layer, Scene
 from ..shader.program import Program
 from ..stage import SLOTS, Context, Stage
-from ..stages.field import Field
 from ..volume import statistics
 from .image import Image
 from .march import MarchFrame, draw_march, march_program
@@ -80,8 +79,6 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
         raise LimitError(
             "scene.layers", f"has {len(visible)} visible layers; this version draws one at a time", "hide the others"
         )
-    if visible[0].labels is not None:
-        raise LimitError("layer.labels", "are not drawn by this version", "leave them out")
     step_world = request.step * min(min(layer.volume.spacing) for layer in visible)
     layers = tuple(drawn_layer(layer, step_world, request.size_px) for layer in visible)
     stages = visible[0].look.stages()
@@ -108,18 +105,14 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
 def drawn_layer(layer: Layer, step_world: float, size_px: tuple[int, int]) -> DrawnLayer:
     """Give a layer its stages and their resources; a volume with empty samples gets the field that keeps them apart."""
     assert layer.transfer is not None
-    channel = layer.volume.channel_index(layer.channel)
-    known = statistics(layer.volume, channel, layer.time)
-    if max(abs(known.minimum), abs(known.maximum)) > GREATEST_VALUE:
-        raise DataError(
-            "volume",
-            f"has values from {known.minimum:.3g} to {known.maximum:.3g}, beyond what devices hold ({GREATEST_VALUE:g})",
-            "scale it, e.g. volume / 1e30, and the transfer function with it",
-        )
-    transfer = layer.transfer if layer.density == 1 else layer.transfer.scaled(layer.density)
-    context = Context(layer.volume, transfer, channel, layer.time, step_world, size_px)
-    stages = {slot: stage for slot, stage in layer.look.stages().items() if SLOTS[slot].per_layer}
-    field = stages["field"]
-    if isinstance(field, Field) and not field.masked and known.empty:
-        stages["field"] = field.for_empty()
+    for channel in layer.channels:
+        known = statistics(layer.volume, channel, layer.time)
+        if max(abs(known.minimum), abs(known.maximum)) > GREATEST_VALUE:
+            raise DataError(
+                "volume",
+                f"has values from {known.minimum:.3g} to {known.maximum:.3g}, beyond what devices hold ({GREATEST_VALUE:g})",
+                "scale it, e.g. volume / 1e30, and the transfer function with it",
+            )
+    context = Context(layer.volume, layer.function, layer.channels, layer.time, step_world, size_px, layer.labels)
+    stages = {slot: stage for slot, stage in layer.stages().items() if SLOTS[slot].per_layer}
     return DrawnLayer(stages, context, {slot: stage.resources(context) for slot, stage in stages.items()})

@@ -31,6 +31,7 @@ from ..shader.program import (
 )
 from ..stage import Resource, Stage
 from ..stages import tone as tones
+from ..stages.transfer import Transfer
 from ..volume import FloatArray
 from .plan import Pass, check_plan
 from .resources import DrawnLayer, bound_resources, pack_lights, pack_uniforms, uniform_values
@@ -95,27 +96,47 @@ def program_key(
     resources = frame.scene_resources
     scene = tuple((slot, stage_key(instead.get(slot, stage), resources[slot])) for slot, stage in frame.scene_stages.items())
     layers = tuple(
-        tuple((slot, stage_key(stage, layer.resources[slot])) for slot, stage in layer.stages.items()) for layer in frame.layers
+        tuple((slot, stage_key(s, layer.resources[slot], s.variant(layer.context))) for slot, s in layer.stages.items())
+        for layer in frame.layers
     )
-    return ProgramKey(root, scene, layers, outputs, extra, switches_of(frame), frame.device.traits)
+    groups = max(layer.field.groups(layer.context) for layer in frame.layers)
+    return ProgramKey(root, scene, layers, outputs, extra, switches_of(frame), frame.device.traits, groups)
+
+
+def has_empty(layer: DrawnLayer) -> bool:
+    """Whether the layer's function leaves some slabs empty."""
+    transfer = layer.stages["transfer"]
+    return isinstance(transfer, Transfer) and transfer.has_empty(layer.context)
 
 
 def switches_of(frame: MarchFrame) -> Switches:
     """What the stages and the data say of each other, and a driver can make use of."""
     integrate = frame.scene_stages["integrate"]
-    transfers = [layer.stages["transfer"] for layer in frame.layers]
     classifies = bool(getattr(integrate, "classifies", True))
-    has_stretches = any(layer.context.transfer.empty_stretches for layer in frame.layers)
+    has_stretches = any(has_empty(layer) for layer in frame.layers)
     skips_empty = bool(getattr(integrate, "skips_empty", False)) and frame.skip != "none" and has_stretches
     return Switches(
         has_empty=any(layer.field.masked for layer in frame.layers),
         skips_empty=skips_empty,
-        # Skipping must not change the image, and tables are not exact where the function bends.
-        masks_empty=classifies and has_stretches and not skips_empty,
         surfaces_only=bool(getattr(integrate, "surfaces_only", False)),
         classifies=classifies,
-        carries_medium=all(getattr(transfer, "carries_medium", False) for transfer in transfers),
+        curved=classifies and is_curved(frame),
     )
+
+
+def is_curved(frame: MarchFrame) -> bool:
+    """Whether values are put right for curvature: asked of the driver, and made use of by all layers.
+
+    Raises
+    ------
+    StageError
+        When the field of a layer jumps from voxel to voxel.
+    """
+    asked = bool(getattr(frame.scene_stages["driver"], "curved", False))
+    for layer in frame.layers if asked else ():
+        if layer.field.cells:
+            raise StageError("driver.curved", f"is for smooth fields, and {layer.field.name} jumps", "use the field linear")
+    return asked and all(getattr(layer.stages["transfer"], "integrates", False) for layer in frame.layers)
 
 
 def march_program(frame: MarchFrame) -> Program:

@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 
 from ..errors import StageError
-from ..gpu import compute, gradients, textures
+from ..gpu import compute, gradients, slab_tables, textures
 from ..gpu.device import Device
+from ..gpu.labels import upload_labels
 from ..scene import Light
 from ..shader.layout import class_struct, fill
 from ..shader.program import (
+    ClassifyUniforms,
     FrameUniforms,
     LayerUniforms,
     LightRecord,
@@ -29,10 +31,12 @@ from ..shader.program import (
     build_program,
     stage_key,
 )
-from ..stage import Context, GradientGrid, Grid, Resource, Stage, Table
+from ..stage import ClassifiedGrid, Context, GradientGrid, Grid, LabelCells, Records, Resource, SlabTable, Stage, Table
 from ..stages.field import Field
+from ..stages.field_channels import lines_of
 from ..volume import FloatArray, domain_index
 
+KEPT_TABLES = 4
 LIGHT_KINDS = {"head": 0, "directional": 1, "point": 2}
 
 
@@ -71,8 +75,15 @@ def kept_for(device: Device, owner: Any, key: tuple[Any, ...], make: Callable[[]
 
 def grid_texture(device: Device, grid: Grid, progress: textures.Progress) -> textures.VolumeTexture:
     """Texture of a grid; not uploaded again for the same volume."""
-    key = ("grid", grid.channel, grid.time, grid.filtered, grid.masked)
+    key = ("grid", grid.channels, grid.time, grid.filtered, grid.masked)
     found: textures.VolumeTexture = kept_for(device, grid.volume, key, lambda: textures.upload_grid(device, grid, progress))
+    return found
+
+
+def label_texture(device: Device, cells: LabelCells, progress: textures.Progress) -> textures.VolumeTexture:
+    """Texture of labels; not uploaded again for the same volume, whatever their styles."""
+    numbers = cells.numbers
+    found: textures.VolumeTexture = kept_for(device, numbers, ("labels",), lambda: upload_labels(device, numbers, progress))
     return found
 
 
@@ -152,7 +163,7 @@ def bound_resources(
         slot, index, name = binding.owner
         if binding.kind == "sampler":
             found[binding.name] = compute.linear_sampler(device)
-        elif binding.kind in ("table", "grid", "loaded_grid", "gradients"):
+        elif binding.kind in ("table", "layers", "records", "grid", "loaded_grid", "gradients", "labels"):
             resource = (scene if index is None else layers[index].resources)[slot][name]
             found[binding.name] = _view(device, resource, layers[index or 0], anchor_world, progress)
     return found
@@ -165,36 +176,91 @@ def _view(device: Device, resource: Resource, layer: DrawnLayer, anchor_world: F
         case Table():
             texture = kept_for(device, resource.texels, ("table",), lambda: textures.upload_table(device, resource.texels))
             return texture.create_view()
+        case Records():
+            return kept_for(device, resource.rows, ("records",), lambda: compute.records_buffer(device, resource.rows))
+        case SlabTable():
+            return _slab_table(device, resource).create_view(dimension="2d-array")
+        case LabelCells():
+            return label_texture(device, resource, progress).texture.create_view()
         case GradientGrid():
             return _gradient_texture(device, resource, layer, anchor_world, progress).create_view()
+        case ClassifiedGrid():
+            return _classified_texture(device, resource, layer, anchor_world, progress).create_view()
+
+
+def _slab_table(device: Device, table: SlabTable) -> Any:
+    """Texture of a table; the last few are kept."""
+    kept: dict[SlabTable, Any] = device.kept.setdefault(("slab tables",), {})
+    if table not in kept:
+        while len(kept) >= KEPT_TABLES:
+            del kept[next(iter(kept))]
+        kept[table] = slab_tables.make_slab_table(device, table)
+    return kept[table]
 
 
 def _gradient_texture(
     device: Device, resource: GradientGrid, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress
 ) -> Any:
-    """Texture of gradients, made at the voxels by the layer's own field and a gradient stage."""
+    """Texture of gradients, made at the voxels by the layer's own field and a gradient stage.
+
+    Gradients of a mixture follow its functions: those of the last ones are kept.
+    """
     context = layer.context
     used: dict[str, Stage] = {"field": layer.stages["field"], "gradient": resource.method}
-    resources = {slot: stage.resources(context) for slot, stage in used.items()}
+    alone = DrawnLayer(used, context, {slot: stage.resources(context) for slot, stage in used.items()})
+    place = ("gradients", *used.values(), context.channels, context.time)
+    kept: dict[Any, Any] = kept_for(device, context.volume, place, dict)
+    key = tuple(lines_of(context).items())
+    if key not in kept:
+        kept.clear()
+        kept[key] = _voxel_texture(device, alone, "gradient_grid", "gradients_out", "rgba16float", {}, anchor_world, progress)
+    return kept[key]
+
+
+def _classified_texture(
+    device: Device, resource: ClassifiedGrid, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress
+) -> Any:
+    """Texture of media, made at the voxels; that of a volume's last function is kept."""
+    context, grid = layer.context, resource.grid
+    used: dict[str, Stage] = {"field": resource.field, "transfer": resource.transfer}
+    alone = DrawnLayer(used, context, {slot: stage.resources(context) for slot, stage in used.items()})
+    kept: dict[Any, Any] = kept_for(device, grid.volume, ("classified", grid.channels, grid.time), dict)
+    key = (resource.function, resource.weighted, grid.filtered)
+    if key not in kept:
+        kept.clear()
+        values = {"classify": ClassifyUniforms(resource.weighted and not resource.function.associated)}
+        kept[key] = _voxel_texture(
+            device, alone, "classified_grid", "classified_out", "rgba32float", values, anchor_world, progress
+        )
+    return kept[key]
+
+
+def _voxel_texture(
+    device: Device,
+    alone: DrawnLayer,
+    root: str,
+    output: str,
+    texel_format: str,
+    extra: dict[str, Any],
+    anchor_world: FloatArray,
+    progress: textures.Progress,
+) -> Any:
+    """Texture that a pass fills, voxel by voxel, by the stages of a layer that has no others."""
     key = ProgramKey(
-        "passes/gradient_grid.wgsl",
+        f"passes/{root}.wgsl",
         (),
-        (tuple((slot, stage_key(stage, resources[slot])) for slot, stage in used.items()),),
-        ("gradients_out",),
-        ("slice",),
-        Switches(has_empty=layer.field.masked),
+        (tuple((s, stage_key(stage, alone.resources[s], stage.variant(alone.context))) for s, stage in alone.stages.items()),),
+        (output,),
+        ("slice", *extra),
+        Switches(has_empty=alone.field.masked),
         device.traits,
+        alone.field.groups(alone.context),
     )
+    program = build_program(key)
+    values = extra | uniform_values(device, {}, (alone,), anchor_world, progress)
+    bound = bound_resources(device, program, (alone,), {}, anchor_world, progress)
 
-    def make() -> Any:
-        program = build_program(key)
-        alone = DrawnLayer(used, context, resources)
-        values = uniform_values(device, {}, (alone,), anchor_world, progress)
-        bound = bound_resources(device, program, (alone,), {}, anchor_world, progress)
+    def pack(first_z: int) -> bytes:
+        return pack_uniforms(program, FrameUniforms(), values | {"slice": SliceUniforms(first_z)})
 
-        def pack(first_z: int) -> bytes:
-            return pack_uniforms(program, FrameUniforms(), values | {"slice": SliceUniforms(first_z)})
-
-        return gradients.compute_gradients(device, program, pack, bound, context.volume.size, progress)
-
-    return kept_for(device, context.volume, ("gradients", *used.values(), context.channel, context.time), make)
+    return gradients.compute_voxels(device, program, output, texel_format, pack, bound, alone.context.volume.size, progress)

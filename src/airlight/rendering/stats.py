@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..stage import Grid, Table
-from .march import MarchFrame
-from .resources import grid_texture
+from ..stage import ClassifiedGrid, Grid, LabelCells, Records, Resource, SlabTable, Table
+from .march import MarchFrame, switches_of
+from .resources import grid_texture, label_texture
 
 
 def frame_statistics(frame: MarchFrame, step: float) -> dict[str, Any]:
@@ -16,11 +16,13 @@ def frame_statistics(frame: MarchFrame, step: float) -> dict[str, Any]:
     for layer in frame.layers:
         grids = [r for r in layer.resources["field"].values() if isinstance(r, Grid)]
         textures = [grid_texture(frame.device, grid, frame.progress) for grid in grids]
+        cells = [r for r in layer.resources["region"].values() if isinstance(r, LabelCells)]
+        textures += [label_texture(frame.device, labels, frame.progress) for labels in cells]
         tables = {
-            f"{slot}.{name}": list(r.texels.shape)
+            f"{slot}.{name}": shape
             for slot, resources in layer.resources.items()
             for name, r in resources.items()
-            if isinstance(r, Table)
+            if (shape := _shape(r))
         }
         layers.append(
             {
@@ -42,6 +44,22 @@ def frame_statistics(frame: MarchFrame, step: float) -> dict[str, Any]:
         "size": list(frame.size_px),
         "step": step,
         "step_world": frame.step_world,
+        "curved": switches_of(frame).curved,
         "skip": {"asked": frame.skip, "done": "none"},
         "layers": layers,
     }
+
+
+def _shape(resource: Resource) -> list[int]:
+    """Shape of a table, empty for what is none."""
+    match resource:
+        case Table():
+            return list(resource.texels.shape)
+        case Records():
+            return list(resource.rows.shape)
+        case SlabTable():
+            return [resource.lengths * (2 if resource.weighted else 1), resource.entries, resource.entries, 4]
+        case ClassifiedGrid():
+            x, y, z = resource.grid.volume.size
+            return [z, y, x, 4]
+    return []

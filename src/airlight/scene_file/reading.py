@@ -9,11 +9,20 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..labels import Labels
 from ..scene import VIEWS, Camera, Layer, Light, Look, Scene
-from ..transfer import TransferFunction
+from ..transfer import Channels, TransferFunction
+from ..transfer.joint import JointFunction
+from ..transfer.kinds import AnyFunction
 from ..volume import Volume
 from .options import FORMAT, RenderOptions, checked_options, recipe_of, stage_in
 from .table import Table, parsed
+
+# Entries of the kinds of transfer functions beside those of one value; the first tells the kind.
+OTHER_KINDS: dict[Any, tuple[str, ...]] = {
+    Channels: ("channels",),
+    JointFunction: ("axes", "shapes", "associated"),
+}
 
 
 def load_scene(
@@ -68,24 +77,14 @@ def load_scene(
         return Scene(layers=layers, camera=camera, lights=lights, background=None if none else background), options
 
 
-def load_transfer(path: str | Path) -> TransferFunction:
-    """Transfer function in a TOML or JSON file with ``points`` and, optionally, ``associated``."""
+def load_transfer(path: str | Path) -> AnyFunction:
+    """Transfer function in a TOML or JSON file: of one value (``points``), several (``axes``), or of ``channels``."""
     path = Path(path)
     return _transfer(parsed(path))
 
 
 def _layer(table: Table, volume: Callable[[Table], Volume]) -> Layer:
-    volumes = {}
-    for key in ("volume", "labels"):
-        if isinstance(table.data.get(key), str):
-            table.taken.add(key)
-            volumes[key] = volume(Table({"file": table.data[key]}, (*table.place, key), table.file, table.text))
-        elif key in table.data:
-            inner = table.table(key)
-            volumes[key] = volume(inner)
-            inner.close()
-    if "volume" not in volumes:
-        raise table.error("volume", "is missing", "name a file")
+    image, labels = _volume(table, "volume", volume), _labels(table, volume)
     look = table.table("look")
     chosen = {slot: stage_in(look, slot, slot) for slot in Look.__dataclass_fields__ if slot in look.data}
     look.taken |= set(Look.__dataclass_fields__)
@@ -96,18 +95,55 @@ def _layer(table: Table, volume: Callable[[Table], Volume]) -> Layer:
     table.taken |= {"volume", "labels", "transfer"}
     table.close()
     with table.located():
-        return Layer(volumes["volume"], function, Look(**chosen), volumes.get("labels"), visible, density, channel, time)
+        return Layer(image, function, Look(**chosen), labels, visible, density, channel, time)
 
 
-def _transfer(table: Table) -> TransferFunction:
-    table.taken |= {"points", "associated"}
+def _volume(table: Table, key: str, volume: Callable[[Table], Volume]) -> Volume:
+    """Volume that a key names: a file, or a table that says how it is to be read."""
+    if key not in table.data:
+        raise table.error(key, "is missing", "name a file")
+    if isinstance(table.data[key], str):
+        table.taken.add(key)
+        return volume(Table({"file": table.data[key]}, (*table.place, key), table.file, table.text))
+    inner = table.table(key)
+    found = volume(inner)
+    inner.close()
+    return found
+
+
+def _labels(table: Table, volume: Callable[[Table], Volume]) -> Labels | None:
+    """Labels of a layer: a volume, or a table with a volume and styles."""
+    if "labels" not in table.data:
+        return None
+    if "volume" not in table.data["labels"] or isinstance(table.data["labels"], str):
+        found = _volume(table, "labels", volume)
+        with table.located("labels"):
+            return Labels(found)
+    inner = table.table("labels")
+    found = _volume(inner, "volume", volume)
+    with inner.located():
+        return Labels.from_dict(found, {key: value for key, value in inner.data.items() if key != "volume"})
+
+
+def _transfer(table: Table) -> AnyFunction:
+    """Transfer function of the kind that has one of the table's entries."""
+    for kind, entries in OTHER_KINDS.items():
+        if entries[0] in table.data:
+            table.taken |= set(entries)
+            table.close()
+            with table.located(entries[0]):
+                other: AnyFunction = kind.from_dict(table.data)
+            return other
+    table.taken |= {"points", "associated", "surfaces"}
     table.close()
     associated = table.take("associated", bool, False)
     points = table.data.get("points", [])
     if not isinstance(points, list) or not all(isinstance(p, list) for p in points):
         raise table.error("points", f"is {points!r}", "write [[value, colour, extinction], ...]")
     with table.located("points"):
-        return TransferFunction([tuple(p) for p in points], associated)
+        function = TransferFunction([tuple(p) for p in points], associated)
+    with table.located("surfaces"):
+        return dataclasses.replace(function, surfaces=table.data.get("surfaces", ()))
 
 
 def _camera(root: Table) -> Camera | str:

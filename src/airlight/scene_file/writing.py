@@ -109,7 +109,8 @@ class _VolumeNamer:
 def _layer_data(layer: Layer, where: str, namer: _VolumeNamer) -> dict[str, Any]:
     data: dict[str, Any] = {"volume": namer(layer.volume, f"{where}.volume")}
     if layer.labels is not None:
-        data["labels"] = namer(layer.labels, f"{where}.labels")
+        named, styles = namer(layer.labels.volume, f"{where}.labels"), layer.labels.to_dict()
+        data["labels"] = {"volume": named} | styles if styles else named
     data |= {"visible": layer.visible, "density": float(layer.density), "channel": layer.channel, "time": layer.time}
     if layer.transfer is not None:
         data["transfer"] = layer.transfer.to_dict()

@@ -244,7 +244,8 @@ class _Linker:
         declared = parse(source).declared
         if item.name not in declared:
             if slot in SLOTS and item.name in SLOTS[slot].optional:
-                return package_source(f"defaults/{item.name}.wgsl"), None, None
+                file = SLOTS[slot].defaults.get(item.name, item.name)
+                return package_source(f"defaults/{file}.wgsl"), None, instance if per_layer else None
             raise ShaderError(where, f"imports {item.name!r} from slot {slot}, but {source.name} does not define it")
         return source, slot, instance if per_layer else None
 

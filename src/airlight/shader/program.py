@@ -18,11 +18,16 @@ from ..stage import (
     F32,
     SLOTS,
     U32,
+    Bool,
+    ClassifiedGrid,
     GradientGrid,
     Grid,
+    LabelCells,
     Mat3f,
     Mat4f,
+    Records,
     Resource,
+    SlabTable,
     Stage,
     Table,
     Vec2u,
@@ -91,14 +96,45 @@ class SliceUniforms:
     first_z: U32 = param(0, unit="voxel")
 
 
-EXTRA_UNIFORMS: dict[str, type] = {"luminance": LuminanceUniforms, "slice": SliceUniforms}
+@dataclass(frozen=True)
+class ClassifyUniforms:
+    """Whether colours of voxels are kept times their extinction."""
+
+    weighs: Bool = param(False)
+
+
+@dataclass(frozen=True)
+class SlabTableUniforms:
+    """The table that is filled, the length of its slabs, and the diagonals that a dispatch fills."""
+
+    entries: U32 = param(2)
+    lengths: U32 = param(2)
+    layer: U32 = param(1)
+    first_diagonal: U32 = param(0)
+    diagonals: U32 = param(1)
+    length_world: F32 = param(1.0, unit="world")
+    associated: Bool = param(False)
+
+
+EXTRA_UNIFORMS: dict[str, type] = {
+    "luminance": LuminanceUniforms,
+    "slice": SliceUniforms,
+    "classify": ClassifyUniforms,
+    "slab_table": SlabTableUniforms,
+}
+
+SPACES = {"uniform": "<uniform>", "lights": "<storage, read>", "records": "<storage, read>", "buffer": "<storage, read_write>"}
 
 # What passes write and read, by name: WGSL type, and format for storage textures.
 PASS_RESOURCES: dict[str, str] = {
     "radiance": "array<vec4f>",
     "depth": "array<vec2f>",
     "sums": "array<vec2f>",
+    "segments": "array<vec4f>",
+    "waiting": "array<vec4f>",
+    "slab_table_out": "texture_storage_2d_array<rgba32float, write>",
     "gradients_out": "texture_storage_3d<rgba16float, write>",
+    "classified_out": "texture_storage_3d<rgba32float, write>",
 }
 
 
@@ -124,7 +160,7 @@ class Binding:
     @property
     def wgsl(self) -> str:
         """Declaration."""
-        space = {"uniform": "<uniform>", "lights": "<storage, read>", "buffer": "<storage, read_write>"}.get(self.kind, "")
+        space = SPACES.get(self.kind, "")
         return f"@group({self.group}) @binding({self.index}) var{space} {self.name}: {self.type};"
 
 
@@ -151,18 +187,18 @@ class StageKey:
 class Switches:
     """Constants of ``generated::sizes``, in capitals, by which drivers leave out what a frame does not need.
 
-    ``has_empty``: fields may hold marked samples. ``skips_empty``: slabs that the transfer stage calls empty need not be taken;
-    ``masks_empty``: they are taken, as nothing.
+    ``has_empty``: fields may hold marked samples. ``skips_empty``: slabs that the transfer stage calls empty need not be taken.
     ``surfaces_only``: slabs without a surface need not be taken. ``classifies``: colour and opacity of slabs are looked at.
-    ``carries_medium``: slabs follow from the media at their ends.
+    ``weighted``: a table of slabs tells which share of the light lies towards the back. ``curved``: values are put right for
+    how the field curves along the ray.
     """
 
     has_empty: bool = False
     skips_empty: bool = False
-    masks_empty: bool = False
     surfaces_only: bool = False
     classifies: bool = False
-    carries_medium: bool = False
+    weighted: bool = False
+    curved: bool = False
 
 
 @dataclass(frozen=True)
@@ -176,6 +212,7 @@ class ProgramKey:
     extra: tuple[str, ...]
     switches: Switches
     traits: Traits
+    groups: int = 0  # vectors of four in a value; 0 where it is a single number
 
     def __str__(self) -> str:
         def one(slot: str, key: StageKey) -> str:
@@ -187,21 +224,30 @@ class ProgramKey:
         return f"{self.root} {scene} [{layers}] {self.traits}"
 
 
-def stage_key(stage: Stage, resources: Mapping[str, Resource] | None = None) -> StageKey:
-    """Key of a stage with the resources that it asks for."""
+def stage_key(
+    stage: Stage, resources: Mapping[str, Resource] | None = None, variant: Mapping[str, bool] | None = None
+) -> StageKey:
+    """Key of a stage with the resources that it asks for and its variant."""
     kinds = tuple((name, _kind(r)) for name, r in (resources or {}).items())
-    return StageKey(type(stage), tuple(stage.statics().items()), kinds)
+    return StageKey(type(stage), tuple((stage.statics() | dict(variant or {})).items()), kinds)
 
 
 def _kind(resource: Resource) -> str:
     match resource:
-        case Table():
+        case Table() | ClassifiedGrid():
             return "table"
+        case SlabTable():
+            return "layers"
+        case Records():
+            return "records"
         case Grid():
             return "grid" if resource.filtered else "loaded_grid"
         case GradientGrid():
             return "gradients"
-    raise StageError("a stage", f"asks for a {type(resource).__name__}", "use Table, Grid or GradientGrid")
+        case LabelCells():
+            return "labels"
+    known = "use Table, Records, SlabTable, Grid, GradientGrid or ClassifiedGrid"
+    raise StageError("a stage", f"asks for a {type(resource).__name__}", known)
 
 
 @lru_cache(maxsize=128)
@@ -236,6 +282,7 @@ def build_program(key: ProgramKey) -> Program:
     slots["lookup"] = (
         ("lookup", package_source("lookup/filtered.wgsl" if key.traits.filters_float32 else "lookup/loaded.wgsl")),
     )
+    slots["values"] = (("values", package_source("values/packed.wgsl" if key.groups else "values/one.wgsl")),)
     uniforms = make_struct("Uniforms", members)
     build.bind(0, "uniforms", "Uniforms", "uniform")
     if any(slot == "shade" for layer in key.layers for slot, _ in layer):
@@ -245,7 +292,7 @@ def build_program(key: ProgramKey) -> Program:
         kind = "buffer" if PASS_RESOURCES[name].startswith("array") else "storage_texture"
         build.names["pass", None, name] = build.bind(3, name, PASS_RESOURCES[name], kind)
     x, y = key.traits.workgroup
-    constants = {"WORKGROUP_X": x, "WORKGROUP_Y": y, "LUMINANCE_SUMS": LUMINANCE_SUMS}
+    constants = {"WORKGROUP_X": x, "WORKGROUP_Y": y, "LUMINANCE_SUMS": LUMINANCE_SUMS, "GROUPS": key.groups}
     switches = {name.upper(): str(value).lower() for name, value in dataclasses.asdict(key.switches).items()}
     for name in ("Values", *switches, *constants):
         build.names["sizes", None, name] = name
@@ -253,7 +300,7 @@ def build_program(key: ProgramKey) -> Program:
     structs["LightRecord"] = class_struct(LightRecord, "LightRecord")
     text = "\n".join(
         [
-            "alias Values = f32;",
+            f"alias Values = {f'array<vec4f, {key.groups}>' if key.groups else 'f32'};",
             *(f"const {name}: bool = {value};" for name, value in switches.items()),
             *(f"const {name}: u32 = {value}u;" for name, value in constants.items()),
             *build.constants,
@@ -297,9 +344,16 @@ class _Builder:
         return [(f"{slot}{suffix}", class_struct(cls, f"{slot.title()}{cls.__name__}"), "")]
 
     def resource(self, slot: str, layer: int | None, name: str, kind: str, full: str) -> None:
-        group = 2 if kind == "table" else 1
+        group = 2 if kind in ("table", "layers", "records") else 1
         owner = (slot, layer, name)
-        self.names[slot, layer, name] = self.bind(group, full, "texture_3d<f32>", kind, owner)
+        if kind == "records":
+            self.names[slot, layer, name] = self.bind(group, full, "array<vec4f>", kind, owner)
+            return
+        if kind == "labels":
+            self.names[slot, layer, name] = self.bind(group, full, "texture_3d<u32>", kind, owner)
+            return
+        texture = "texture_2d_array<f32>" if kind == "layers" else "texture_3d<f32>"
+        self.names[slot, layer, name] = self.bind(group, full, texture, kind, owner)
         sampler = f"{name}_sampler"
         self.names[slot, layer, sampler] = self.bind(group, f"{full}_sampler", "sampler", "sampler", owner)
 

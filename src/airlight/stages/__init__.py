@@ -2,6 +2,38 @@
 
 from __future__ import annotations
 
-from . import camera, driver, field, gradient, integrate, lighting, shade, tone, transfer, visibility
+from . import (
+    camera,
+    driver,
+    field,
+    gradient,
+    integrate,
+    lighting,
+    modulation,
+    region,
+    shade,
+    surfaces,
+    tone,
+    transfer,
+    transfer_channels,
+    transfer_joint,
+    visibility,
+)
 
-__all__ = ["camera", "driver", "field", "gradient", "integrate", "lighting", "shade", "tone", "transfer", "visibility"]
+__all__ = [
+    "camera",
+    "driver",
+    "field",
+    "gradient",
+    "integrate",
+    "lighting",
+    "modulation",
+    "region",
+    "shade",
+    "surfaces",
+    "tone",
+    "transfer",
+    "transfer_channels",
+    "transfer_joint",
+    "visibility",
+]

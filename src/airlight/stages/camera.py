@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..errors import ValueRangeError
+from ..errors import StageError, ValueRangeError
 from ..stage import F32, Context, Stage, Vec3f, param, register
 from ..volume import FloatArray
 
@@ -66,6 +66,25 @@ class Camera(Stage):
         right /= np.linalg.norm(right)
         return right, np.cross(right, forward), forward
 
+    def ray(self, p_px: tuple[float, float], size_px: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+        """Return where the ray of a point of the image begins, and its direction, both (3,) in the world.
+
+        Points of the image are counted in pixels from its upper left corner. Distance along the ray is the image's depth.
+
+        Raises
+        ------
+        StageError
+            When only the device knows the camera's rays.
+        """
+        raise StageError(f"camera {self.name!r}", "does not tell its rays", "give its class a method ray(p_px, size_px)")
+
+
+def _on_image(camera: Camera, half_height: float, p_px: tuple[float, float], size_px: tuple[int, int]) -> FloatArray:
+    """Way (3,) from the middle of the image to one of its points, whose upper left corner is (0, 0)."""
+    right, up, _ = camera.basis()
+    aside, above = 2 * p_px[0] / size_px[0] - 1, 1 - 2 * p_px[1] / size_px[1]
+    return np.asarray(half_height * (aside * size_px[0] / size_px[1] * right + above * up))
+
 
 def _point(value: Vec3f) -> tuple[float, float, float]:
     if np.shape(value) != (3,):
@@ -99,7 +118,16 @@ class Perspective(Camera):
 
     def uniforms(self, context: Context) -> CameraFrame:
         """Return the frame for the image's size."""
-        return _frame(self, math.tan(math.radians(self.fov_deg) / 2), context.size_px)
+        return _frame(self, self._half_height, context.size_px)
+
+    def ray(self, p_px: tuple[float, float], size_px: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+        """Return where the ray of a point of the image begins, and its direction, both (3,) in the world."""
+        direction = self.basis()[2] + _on_image(self, self._half_height, p_px, size_px)
+        return np.array(self.eye), direction / np.linalg.norm(direction)
+
+    @property
+    def _half_height(self) -> float:
+        return math.tan(math.radians(self.fov_deg) / 2)
 
 
 @register
@@ -117,3 +145,7 @@ class Orthographic(Camera):
     def uniforms(self, context: Context) -> CameraFrame:
         """Return the frame for the image's size."""
         return _frame(self, self.height / 2, context.size_px)
+
+    def ray(self, p_px: tuple[float, float], size_px: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+        """Return where the ray of a point of the image begins, and its direction, both (3,) in the world."""
+        return self.eye + _on_image(self, self.height / 2, p_px, size_px), self.basis()[2]

@@ -16,4 +16,5 @@ class March(Stage):
     slot: ClassVar[str] = "driver"
     name: ClassVar[str] = "march"
     wgsl: ClassVar[str] = "march.wgsl"
+    curved: bool = static(False, help="put values right for the field's curvature, for transfer stages that integrate slabs")
     offsets: str = static("none", choices=("none", "interleaved"), help="shift of the samples along each ray")

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..errors import StageError
-from ..stage import Context, Grid, Resource, Stage, register
+from ..stage import ClassifiedGrid, Context, Grid, Resource, Stage, register, static
+from ..transfer.channels import Channels
+from ..transfer.function import TransferFunction
+from .transfer import FromField, PostClassified
 
 
 class Field(Stage):
@@ -31,12 +34,31 @@ class Field(Stage):
     masked: ClassVar[bool] = False
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
-        """Return the grid of the layer's channel and time step."""
-        return {"grid": Grid(context.volume, context.channel, context.time, self.filtered, self.masked)}
+        """Return the grid of the layer's channels and time step."""
+        return {"grid": Grid(context.volume, context.channels, context.time, self.filtered, self.masked)}
+
+    def groups(self, context: Context) -> int:
+        """Return the number of vectors of four that a value has, 0 where it is a single number."""
+        return 0 if len(context.channels) == 1 else len(needed_groups(context))
 
     def for_empty(self) -> Field:
         """Return the field that keeps empty samples (NaN, no-data) from spreading; taken for volumes that have any."""
         raise StageError(f"look.field {self.name!r}", "cannot draw a volume with empty samples (NaN, no-data)", "fill them")
+
+    def for_channels(self) -> Field:
+        """Return the field that reconstructs several channels at once."""
+        raise StageError(f"look.field {self.name!r}", "draws one channel at a time", "use linear or nearest")
+
+    def arranged(self, chosen: Mapping[str, Stage]) -> dict[str, Stage]:
+        """Return a layer's stages by slot, with this field and what it asks of the others."""
+        return {**chosen, "field": self}
+
+
+def needed_groups(context: Context) -> tuple[int, ...]:
+    """Groups of four, of the channels in the texture, that a value holds: those of which a channel is drawn."""
+    if isinstance(context.transfer, Channels):
+        return tuple(sorted({place // 4 for place in context.transfer.places(context.volume)}))
+    return tuple(range(-(-len(context.channels) // 4)))
 
 
 @register
@@ -53,6 +75,12 @@ class Nearest(Field):
         """Return the nearest field over marked samples."""
         return NearestMasked()
 
+    def for_channels(self) -> Field:
+        """Return the nearest field of several channels."""
+        from .field_channels import NearestChannels
+
+        return NearestChannels()
+
 
 @register
 @dataclass(frozen=True)
@@ -67,6 +95,12 @@ class Linear(Field):
         """Return the linear field over marked samples."""
         return LinearMasked()
 
+    def for_channels(self) -> Field:
+        """Return the linear field of several channels."""
+        from .field_channels import LinearChannels
+
+        return LinearChannels()
+
 
 @register
 @dataclass(frozen=True)
@@ -79,6 +113,12 @@ class LinearExact(Field):
     def for_empty(self) -> Field:
         """Return the linear field over marked samples."""
         return LinearMasked()
+
+    def for_channels(self) -> Field:
+        """Return the linear field, in full precision, of several channels."""
+        from .field_channels import LinearExactChannels
+
+        return LinearExactChannels()
 
 
 @dataclass(frozen=True)
@@ -97,3 +137,80 @@ class LinearMasked(LinearExact):
     name: ClassVar[str] = "linear_masked"
     wgsl: ClassVar[str] = "field/linear_masked.wgsl"
     masked: ClassVar[bool] = True
+
+
+@register
+@dataclass(frozen=True)
+class PreClassified(Field):
+    """Classify the voxels, then interpolate extinction and associated colour; it takes the place of the transfer stage.
+
+    Engel and Ertl, section 2.2 and figure 3. Features of the function that are narrower than what changes from voxel to voxel
+    are lost or torn. Gradients are those of the samples. The media of all voxels lie in a table of 32-bit floats, 16 bytes a
+    voxel, which is made anew for another function.
+    """
+
+    name: ClassVar[str] = "preclassified"
+    wgsl: ClassVar[str] = "field/preclassified.wgsl"
+    filtered: ClassVar[bool] = True
+    weighted: bool = static(True, help="interpolate colours times extinction; without, those of clear voxels bleed")
+
+    def resources(self, context: Context) -> Mapping[str, Resource]:
+        """Return the samples and their media.
+
+        Raises
+        ------
+        StageError
+            When the layer's function is not one of a single value, or has surfaces.
+        """
+        if not isinstance(context.transfer, TransferFunction):
+            what = type(context.transfer).__name__
+            raise StageError(f"look.field {self.name!r}", f"cannot classify voxels by a {what}", "use linear")
+        if context.transfer.surfaces:
+            raise StageError(f"look.field {self.name!r}", "draws no surfaces of equal value", "use linear")
+        grid = Grid(context.volume, context.channels, context.time, self.filtered, self.masked)
+        reader = MaskedVoxels() if self.masked else Voxels()
+        return {"grid": grid, "classified": ClassifiedGrid(grid, context.transfer, self.weighted, reader, PostClassified())}
+
+    def groups(self, context: Context) -> int:
+        """Return 1: a value is a medium."""
+        return 1
+
+    def for_empty(self) -> Field:
+        """Return the field over marked samples."""
+        return PreClassifiedMasked(self.weighted)
+
+    def arranged(self, chosen: Mapping[str, Stage]) -> dict[str, Stage]:
+        """Return a layer's stages with the transfer stage that takes media as they come.
+
+        Raises
+        ------
+        StageError
+            When another stage looks at values, which are no more.
+        """
+        for slot in ("integrate", "modulation"):
+            if getattr(chosen[slot], "uses_values", True):
+                where = f"look.{slot} {chosen[slot].name!r}"
+                raise StageError(where, f"looks at values, and the field {self.name!r} has media", "use the field linear")
+        return {**chosen, "field": self, "transfer": FromField(self.weighted)}
+
+
+@dataclass(frozen=True)
+class PreClassifiedMasked(PreClassified):
+    """Media of the voxels that are there, interpolated; empty where less than half of the weight is."""
+
+    name: ClassVar[str] = "preclassified_masked"
+    wgsl: ClassVar[str] = "field/preclassified_masked.wgsl"
+    filtered: ClassVar[bool] = False
+    masked: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class Voxels(LinearExact):
+    """Reader of single voxels from the texture that fields filter."""
+
+    filtered: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class MaskedVoxels(LinearMasked):
+    """Reader of single voxels where some are empty."""

@@ -5,21 +5,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..errors import ValueRangeError
 from ..stage import F32, Context, Stage, param, register
+from ..transfer.joint import JointFunction
 
 
 class Integrate(Stage):
     """Base of the integrate stages.
 
     ``uses_slabs`` tells whether colour is lit at all; ``classifies`` whether ``take`` looks at colour and opacity of slabs;
-    ``skips_empty`` whether empty slabs leave the result as it is, ``surfaces_only`` whether all slabs without a surface do.
+    ``uses_values`` whether it looks at values; ``skips_empty`` whether empty slabs leave the result as it is, ``surfaces_only``
+    whether all slabs without a surface do; ``colours_samples`` whether ``medium`` is asked about samples of the field, not
+    about numbers made of several, which lie nowhere.
     """
 
     slot: ClassVar[str] = "integrate"
     uses_slabs: ClassVar[bool] = False
     classifies: ClassVar[bool] = False
+    uses_values: ClassVar[bool] = True
     skips_empty: ClassVar[bool] = False
     surfaces_only: ClassVar[bool] = False
+    colours_samples: ClassVar[bool] = True
 
 
 @register
@@ -34,6 +40,7 @@ class EmissionAbsorption(Integrate):
     wgsl: ClassVar[str] = "integrate/emission_absorption.wgsl"
     uses_slabs: ClassVar[bool] = True
     classifies: ClassVar[bool] = True
+    uses_values: ClassVar[bool] = False
     skips_empty: ClassVar[bool] = True
     opaque_at: F32 = param(0.99995, above=0, up_to=1, help="opacity at which a ray ends")
 
@@ -63,6 +70,7 @@ class Mean(Integrate):
 
     name: ClassVar[str] = "mean"
     wgsl: ClassVar[str] = "integrate/mean.wgsl"
+    colours_samples: ClassVar[bool] = False
 
 
 @dataclass(frozen=True)
@@ -88,5 +96,14 @@ class FirstHit(Integrate):
     iso: F32 | None = param(None, unit="data", help="value of the surface")
 
     def uniforms(self, context: Context) -> FirstHitUniforms:
-        """Return the iso-value."""
+        """Return the iso-value.
+
+        Raises
+        ------
+        ValueRangeError
+            When it is left to a function of several variables, which has none.
+        """
+        if self.iso is None and isinstance(context.transfer, JointFunction):
+            what = "is left to the function, which is one of several variables"
+            raise ValueRangeError("look.integrate.first_hit.iso", what, "give it: FirstHit(iso=...)")
         return FirstHitUniforms(context.transfer.half_extinction_value if self.iso is None else self.iso)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..stage import F32, Bool, Context, Stage, param, register
-from ..volume import statistics
+from .field_channels import scalar_range
 
 
 class Shade(Stage):
@@ -70,6 +70,5 @@ class BlinnPhong(Shade):
 
 
 def automatic_threshold(context: Context) -> float:
-    """1/2000 of the robust range of the values per smallest spacing, in data units per world unit."""
-    known = statistics(context.volume, context.channel, context.time)
-    return 0.0005 * (known.percentile(99.5) - known.percentile(0.5)) / min(context.volume.spacing)
+    """1/2000 of the robust range of what gradients are taken of per smallest spacing, in its units per world unit."""
+    return 0.0005 * scalar_range(context, 0.5, 99.5) / min(context.volume.spacing)

@@ -2,70 +2,110 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from ..stage import F32, U32, Bool, Context, Resource, Stage, Table, Vec4f, param, register
+from ..errors import StageError
+from ..stage import F32, U32, Context, Mat4f, Resource, SlabTable, Stage, Table, Vec4f, param, register, static
 from ..transfer import TransferFunction
-from ..transfer.tables import LENGTHS, function_table, opacity_error, slab_table
+from ..transfer.cells import end_media, even_cells, function_texels, has_stepped_ends, integral_to, two_parts, value_axis
+from ..transfer.kinds import DrawnFunction
+from ..transfer.tables import check_table, colour_error, entries_needed
+from ..volume import FloatArray
 
 Vec4 = tuple[float, float, float, float]
 
+STAND_INS: dict[type, Callable[[Transfer, Any], Transfer]] = {}
+"""For each kind of function but the plain one of one value: which stage draws it in the way of another."""
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class FunctionUniforms:
-    """Where the axes of the tables lie, and at which slab length the table of slabs was made."""
+    """Where the axis of the function lies, its media beyond the ends, and the size of the table of slabs."""
 
     first_value: F32 = param(0.0, unit="data")
     last_value: F32 = param(1.0, unit="data")
     per_value: F32 = param(1.0, unit="1/data")
-    function_entries: U32 = param(2)
-    slab_entries: U32 = param(2)
+    even_cells: U32 = param(0)
     empty_low: Vec4f = param((3e38, 3e38, 3e38, 3e38), unit="data")
     empty_high: Vec4f = param((-3e38, -3e38, -3e38, -3e38), unit="data")
-    first_medium: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
-    last_medium: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
-    slab_lengths: U32 = param(2)
+    empty_integral_high: Mat4f = param(None, unit="1/world")
+    empty_integral_low: Mat4f = param(None, unit="1/world")
+    first_medium: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="rgb, 1/world")
+    last_medium: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="rgb, 1/world")
+    slab_entries: U32 = param(2)
+    slab_lengths: U32 = param(1)
     slab_length: F32 = param(1.0, unit="world")
-    associated: Bool = param(False)
 
 
 class Transfer(Stage):
-    """Base of the transfer stages: the function itself as a table of (colour, extinction).
-
-    ``carries_medium`` tells that the media at both ends are all that a slab depends on, so that a march looks up one a sample.
-    """
+    """Base of the transfer stages: the function itself, as the cells that it is linear in."""
 
     slot: ClassVar[str] = "transfer"
-    carries_medium: ClassVar[bool] = False
-    uniform_type: ClassVar[type] = FunctionUniforms
+    uniform_type: ClassVar[type | None] = FunctionUniforms
+    integrates: ClassVar[bool] = False  # along the straight line between a slab's two values
 
-    def uniforms(self, context: Context) -> FunctionUniforms:
-        """Return the axes of the tables."""
+    def for_function(self, function: DrawnFunction) -> Transfer:
+        """Return the stage that draws a function of this kind in this stage's way."""
+        if isinstance(function, TransferFunction) and not function.surfaces:
+            return self
+        if type(function) not in STAND_INS:
+            raise StageError(f"look.transfer {self.name!r}", f"cannot draw a {type(function).__name__}")
+        return STAND_INS[type(function)](self, function)
+
+    def uses_gradient(self, function: DrawnFunction) -> bool:
+        """Whether classification asks the look's gradient stage, which is left out otherwise where nothing is lit."""
+        return False
+
+    def has_empty(self, context: Context) -> bool:
+        """Whether there are values at which the function holds nothing, so that slabs can be skipped."""
+        return bool(context.transfer.empty_stretches)
+
+    def uniforms(self, context: Context) -> Any:
+        """Return the axis of the function."""
         tf = context.transfer
-        function = function_table(tf)
-        low, high = _widest(tf.empty_stretches)
+        first, last = value_axis(tf)
+        low, high = four_widest(tf.empty_stretches)
+        integral_high, integral_low = two_parts(integral_to(tf, np.maximum(low, first)))
+        before, behind = end_media(tf)
         return FunctionUniforms(
-            first_value=function.first_value,
-            last_value=function.last_value,
-            per_value=1.0 / (function.last_value - function.first_value),
-            function_entries=function.entries,
+            first_value=first,
+            last_value=last,
+            per_value=1.0 / (last - first),
+            even_cells=even_cells(tf),
             empty_low=low,
             empty_high=high,
-            first_medium=_source_and_extinction(tf, tf.domain[0], before=True),
-            last_medium=_source_and_extinction(tf, tf.domain[1]),
-            associated=tf.associated,
+            empty_integral_high=integral_high.astype(np.float64).T,
+            empty_integral_low=integral_low.astype(np.float64).T,
+            first_medium=_vec4(before),
+            last_medium=_vec4(behind),
         )
 
+    def variant(self, context: Context) -> dict[str, bool]:
+        """Return what colours mean, what lies at the ends of the function, and whether cells are equally wide."""
+        tf = context.transfer
+        return {
+            "associated": tf.associated,
+            "open_ends": not is_empty_beyond(tf),
+            "stepped_ends": has_stepped_ends(tf),
+            "even": even_cells(tf) > 0,
+        }
+
     def resources(self, context: Context) -> Mapping[str, Resource]:
-        """Return the table of the function."""
-        return {"function": Table(function_table(context.transfer).texels)}
+        """Return the cells of the function."""
+        return {"function": Table(function_texels(context.transfer))}
 
 
-def _widest(stretches: tuple[tuple[float, float], ...]) -> tuple[Vec4, Vec4]:
+def is_empty_beyond(function: TransferFunction) -> bool:
+    """Whether a function holds nothing beyond both its ends."""
+    stretches = function.empty_stretches
+    return bool(stretches) and stretches[0][0] == -np.inf and stretches[-1][1] == np.inf
+
+
+def four_widest(stretches: tuple[tuple[float, float], ...]) -> tuple[Vec4, Vec4]:
     """Low and high ends of the four widest stretches; what is left out is drawn like everything else."""
     widest = sorted(stretches, key=lambda s: s[0] - s[1])[:4]
     ends = [(max(low, -3e38), min(high, 3e38)) for low, high in widest] + [(3e38, -3e38)] * (4 - len(widest))
@@ -73,11 +113,9 @@ def _widest(stretches: tuple[tuple[float, float], ...]) -> tuple[Vec4, Vec4]:
     return (a, b, c, d), (e, f, g, h)
 
 
-def _source_and_extinction(function: TransferFunction, value: float, before: bool = False) -> tuple[float, float, float, float]:
-    """Medium beyond an end of the function."""
-    here = np.nextafter(value, -np.inf) if before else value
-    r, g, b = function.source(here)
-    return float(r), float(g), float(b), float(function(here)[1])
+def _vec4(numbers: FloatArray) -> Vec4:
+    a, b, c, d = (float(n) for n in numbers)
+    return a, b, c, d
 
 
 @register
@@ -86,34 +124,82 @@ class PostClassified(Transfer):
     """Interpolate values, then classify: a slab is the mean of the media at its two ends."""
 
     name: ClassVar[str] = "postclassified"
-    carries_medium: ClassVar[bool] = True
     wgsl: ClassVar[str] = "transfer/postclassified.wgsl"
 
 
 @register
 @dataclass(frozen=True)
-class PreIntegrated(Transfer):
-    """The function integrated along the straight line between a slab's two values, from a table made in float64.
+class FastPreIntegrated(Transfer):
+    """The function integrated along the straight line between a slab's two values, without attenuation inside the slab.
 
-    Engel and Ertl, section 6; the table holds mean extinction and attenuated mean source, see ``docs/slots/transfer.md``.
-    ``entries`` is the table's size along each value axis; 0 chooses it from the function.
+    Engel and Ertl, section 6.3. Opacity is exact; where colours change within slabs that are far from transparent, what is
+    behind shows too much. No table: quick to edit.
+    """
+
+    name: ClassVar[str] = "preintegrated_fast"
+    integrates: ClassVar[bool] = True
+    wgsl: ClassVar[str] = "transfer/preintegrated_fast.wgsl"
+
+
+@register
+@dataclass(frozen=True)
+class PreIntegrated(Transfer):
+    """The function integrated along the straight line between a slab's two values, with attenuation inside the slab.
+
+    Engel and Ertl, section 6; Lum, Wilson and Ma, section 4. Opacity and mean source are exact, what attenuation shifts comes
+    from a table, see ``docs/slots/transfer.md``.
     """
 
     name: ClassVar[str] = "preintegrated"
+    integrates: ClassVar[bool] = True
     wgsl: ClassVar[str] = "transfer/preintegrated.wgsl"
     entries: U32 = param(0, at_least=0, up_to=4096, help="size of the table along each axis; 0 chooses it from the function")
+    lengths: U32 = param(1, at_least=1, up_to=64, help="lengths of slabs in the table; one serves shorter slabs well")
+    weighted: bool = static(False, help="keep which share of a slab's light lies towards its back")
 
-    def uniforms(self, context: Context) -> FunctionUniforms:
-        """Return the axes of the tables."""
+    def table(self, context: Context) -> SlabTable:
+        """Return the table of slabs."""
+        entries = self.entries or entries_needed(context.transfer, context.step_world)
+        check_table(context.step_world, entries, self.lengths)
+        return SlabTable(context.transfer, context.step_world, entries, self.lengths, self.weighted)
+
+    def uniforms(self, context: Context) -> Any:
+        """Return the axis of the function and the size of the table."""
+        table = self.table(context)
         base = super().uniforms(context)
-        table = slab_table(context.transfer, context.step_world, self.entries)
-        return replace(base, slab_entries=table.entries, slab_lengths=LENGTHS, slab_length=context.step_world)
+        return replace(base, slab_entries=table.entries, slab_lengths=table.lengths, slab_length=table.length)
+
+    def variant(self, context: Context) -> dict[str, bool]:
+        """Return whether the table has several lengths, beside what all transfer stages return."""
+        return super().variant(context) | {"layered": self.lengths > 1}
 
     def errors(self, context: Context) -> dict[str, float]:
         """Return what interpolation between the entries of the table may cost a slab."""
-        return {"opacity of a slab": opacity_error(context.transfer, context.step_world, self.entries)}
+        table = self.table(context)
+        return {"colour of a slab": colour_error(table.function, table.length, table.entries)}
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
-        """Return the tables of the function and of slabs."""
-        table = slab_table(context.transfer, context.step_world, self.entries)
-        return {**super().resources(context), "slabs": Table(table.texels)}
+        """Return the function and the table of slabs."""
+        return {**super().resources(context), "slabs": self.table(context)}
+
+
+@dataclass(frozen=True)
+class FromField(Transfer):
+    """The medium is the value; a slab is the mean of the media at its two ends."""
+
+    name: ClassVar[str] = "from_field"
+    wgsl: ClassVar[str] = "transfer/from_field.wgsl"
+    uniform_type: ClassVar[type | None] = None
+    weighted: bool = static(True)
+
+    def uniforms(self, context: Context) -> FromField:
+        """Return itself: there is nothing to pack."""
+        return self
+
+    def variant(self, context: Context) -> dict[str, bool]:
+        """Return what colours mean."""
+        return {"associated": context.transfer.associated}
+
+    def resources(self, context: Context) -> Mapping[str, Resource]:
+        """Return nothing: the field holds all."""
+        return {}

@@ -43,7 +43,10 @@ def linear_rgb(colour: Colour, where: str = "colour") -> tuple[float, float, flo
             raise ValueRangeError(where, f"is {colour!r}", "use a CSS name, #rrggbb or three linear numbers") from None
         r, g, b = srgb_to_linear(np.asarray(encoded) / 255.0)
         return float(r), float(g), float(b)
-    parts = np.asarray(colour, dtype=np.float64)
+    try:
+        parts = np.asarray(colour, dtype=np.float64)
+    except (TypeError, ValueError):
+        parts = np.empty(0)
     if parts.shape != (3,) or not np.isfinite(parts).all() or (parts < 0).any():
         raise ValueRangeError(where, f"is {colour!r}, must be three finite numbers of at least 0")
     return float(parts[0]), float(parts[1]), float(parts[2])

@@ -28,11 +28,18 @@ class Preset:
     relative
         False: values in Hounsfield units, extinctions per millimetre. True: values as shares of the robust range, extinctions
         as optical depths of the whole object.
+    colormap
+        Colours come from this map over the robust range, and not from the points.
     """
 
     summary: str
     points: Points
     relative: bool = False
+    colormap: str = ""
+
+
+GLOW: Points = ((0.1, "black", 0.0), (0.3, "black", 2.5), (0.5, "black", 10.0), (0.75, "black", 30.0), (1.0, "white", 60.0))
+"""Faint where values are low: what is bright is seen through what is dim."""
 
 
 PRESETS: dict[str, Preset] = {
@@ -56,24 +63,35 @@ PRESETS: dict[str, Preset] = {
         ((-600, "#c08a6e", 0.0), (-400, "#d9a384", 0.5), (-150, "#e5b699", 1.2), (300, "#efcdb4", 1.5), (1200, "#fff4e8", 2.0)),
     ),
     "ct_lung": Preset(
-        "airways and vessels of the lung",
+        "lungs with their vessels, under a faint skin",
         (
-            (-960, "#20304c", 0.0),
-            (-860, "#44608c", 0.004),
-            (-700, "#7f9cc0", 0.012),
-            (-550, "#d3a593", 0.05),
-            (-300, "#e2c0ae", 0.02),
-            (-150, "#e2c0ae", 0.0),
+            (-940, "#24407c", 0.0),
+            (-870, "#4870b8", 0.012),
+            (-720, "#88b0e8", 0.022),
+            (-580, "#f0b0a0", 0.03),
+            (-350, "#e8b8a4", 0.012),
+            (-200, "#e8c8b8", 0.0),
+        ),
+    ),
+    "ct_airways": Preset(
+        "airways, sinuses and gas, as if of glass",
+        (
+            (-850, "#2c78a8", 0.0),
+            (-700, "#58b0e0", 0.03),
+            (-500, "#c0ecff", 0.045),
+            (-350, "#ffffff", 0.02),
+            (-250, "#ffffff", 0.0),
         ),
     ),
     "ct_vessels": Preset(
         "vessels with contrast medium, and bones",
         (
-            (120, "#70140c", 0.0),
-            (180, "#a82418", 0.12),
-            (280, "#d0452c", 0.6),
-            (450, "#e8b088", 0.8),
-            (700, "#f0e2c8", 1.2),
+            (110, "#80180c", 0.0),
+            (170, "#b02a1a", 0.06),
+            (280, "#e04a30", 0.22),
+            (380, "#e8906c", 0.3),
+            (480, "#f0d8b0", 0.7),
+            (800, "#f6ecd8", 1.4),
             (1500, "#ffffff", 2.0),
         ),
     ),
@@ -88,6 +106,17 @@ PRESETS: dict[str, Preset] = {
         ),
         relative=True,
     ),
+    "mri_brain": Preset(
+        "a brain without its skull",
+        (
+            (0.25, "#7c3c38", 0.0),
+            (0.4, "#b87468", 60.0),
+            (0.6, "#d8a898", 160.0),
+            (0.8, "#f0dcd0", 220.0),
+            (1.0, "#ffffff", 260.0),
+        ),
+        relative=True,
+    ),
     "microscopy": Preset(
         "bright structures before a dark background, glowing",
         (
@@ -99,6 +128,9 @@ PRESETS: dict[str, Preset] = {
         ),
         relative=True,
     ),
+    "microscopy_green": Preset("one dye in green, as under the microscope", GLOW, relative=True, colormap="green"),
+    "microscopy_magenta": Preset("one dye in magenta, to go with a green one", GLOW, relative=True, colormap="magenta"),
+    "microscopy_ice": Preset("from deep blue to white", GLOW, relative=True, colormap="cmocean:ice"),
     "xray": Preset(
         "as an X-ray picture: all is seen through",
         ((0.05, "#ffffff", 0.0), (0.5, "#ffffff", 1.0), (1.0, "#ffffff", 4.0)),
@@ -140,12 +172,43 @@ def get(name: str, volume: Volume, channel: int | str = 0, time: int = 0) -> Tra
         # Lengths without a fixed size, like "bohr", say nothing of millimetres.
         millimetres = MM_PER_UNIT.get(volume.units, OTHER_UNIT_MM)
         return TransferFunction([(value, colour, extinction * millimetres) for value, colour, extinction in preset.points])
+    (low, high), extent = _robust_range(volume, channel, time), _extent(volume)
+    points = [(low + share * (high - low), colour, depth / extent) for share, colour, depth in preset.points]
+    if preset.colormap:
+        return TransferFunction.from_colormap(preset.colormap, (low, high), [(value, tau) for value, _, tau in points])
+    return TransferFunction(points)
+
+
+def glowing(colormap: str, volume: Volume, channel: int | str = 0, time: int = 0) -> TransferFunction:
+    """Transfer function with the colours of a named map over the robust range of a volume, faint where values are low.
+
+    Parameters
+    ----------
+    colormap
+        See ``TransferFunction.from_colormap``.
+    volume
+        Its size and its range are looked at.
+    channel, time
+        What the function is for.
+
+    Raises
+    ------
+    ValueRangeError
+        For an unknown map; it lists close ones.
+    """
+    (low, high), extent = _robust_range(volume, channel, time), _extent(volume)
+    extinctions = [(low + share * (high - low), depth / extent) for share, _, depth in GLOW]
+    return TransferFunction.from_colormap(colormap, (low, high), extinctions)
+
+
+def _robust_range(volume: Volume, channel: int | str, time: int) -> tuple[float, float]:
     known = statistics(volume, channel, time)
     low, high = (known.percentile(p) for p in ROBUST_PERCENT)
-    if high <= low:
-        low, high = known.minimum, max(known.maximum, known.minimum + 1)
-    extent = max(n * s for n, s in zip(volume.size, volume.spacing, strict=True))
-    return TransferFunction([(low + share * (high - low), colour, depth / extent) for share, colour, depth in preset.points])
+    return (low, high) if high > low else (known.minimum, max(known.maximum, known.minimum + 1))
+
+
+def _extent(volume: Volume) -> float:
+    return max(n * s for n, s in zip(volume.size, volume.spacing, strict=True))
 
 
 def _preset(name: str) -> Preset:

@@ -4,16 +4,20 @@ import generated::frame::frame;
 import generated::layer::layer;
 import generated::driver::OFFSETS;
 import generated::pass::{radiance, depth};
-import generated::sizes::{CARRIES_MEDIUM, CLASSIFIES, HAS_EMPTY, MASKS_EMPTY, SKIPS_EMPTY, SURFACES_ONLY, WORKGROUP_X, WORKGROUP_Y};
-import package::empty::is_empty;
+import generated::sizes::{CLASSIFIES, CURVED, HAS_EMPTY, SKIPS_EMPTY, SURFACES_ONLY, WORKGROUP_X, WORKGROUP_Y};
+import package::curved::curved_value;
 import package::ray::{Ray, INFINITE};
-import package::sample::{Sample, Slab, Medium, Result};
+import package::optics::tinted;
+import package::sample::{Sample, Slab, Result};
 import slot::camera::eye_ray;
 import slot::field::{locate, field_value};
-import slot::transfer::{medium, classify, classify_media, empty_slab};
+import slot::transfer::{medium, empty_slab, Known, know, know_empty, classify_known};
 import slot::lighting::light_slab;
+import slot::modulation::weight;
+import slot::region::{part_at, hidden_at};
 import slot::integrate::{Accumulated, begin, take, finish, surface};
 import slot::tone::tone;
+import slot::values::{is_gap, mix_values};
 
 @compute @workgroup_size(WORKGROUP_X, WORKGROUP_Y)
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -34,27 +38,50 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
   let h = frame.step_world;
   var acc = begin();
   var front = fetch(ray, index_ray, span.x);
-  var front_medium = NO_MEDIUM;
-  if (CARRIES_MEDIUM) { front_medium = medium(front); }
+  // What is known of a sample is kept: the back of a slab is the front of the next.
+  var front_known: Known;
+  if (CLASSIFIES) { front_known = know(front); }
   var k = floor(span.x / h - offset) + 1.0;
   *samples = 1.0;
+  // Where values are put right for curvature: the last sample as it was, and the one ahead.
+  var before = front;
+  var ahead: Sample;
+  if (CURVED) { ahead = fetch(ray, index_ray, min((k + offset) * h, span.y)); }
   var ended = false;
   loop {
     // Walk on to the next slab that matters. A loop of its own: wide processors run the rest for all rays at once.
     var next: Sample;
+    var walks = false;
+    var passes_hidden = false;
     loop {
-      next = fetch(ray, index_ray, min((k + offset) * h, span.y));
-      *samples += 1.0;
-      k += 1.0;
-      if (next.t_world >= span.y || !is_idle(front, next)) { break; }
+      loop {
+        if (CURVED) {
+          next = ahead;
+          ahead = fetch(ray, index_ray, min((k + 1.0 + offset) * h, span.y));
+          let value = curved_value(before, next, ahead);
+          before = next;
+          next.value = value;
+        } else {
+          next = fetch(ray, index_ray, min((k + offset) * h, span.y));
+        }
+        *samples += 1.0;
+        k += 1.0;
+        if (next.t_world >= span.y || !is_idle(front, next)) { break; }
+        front = next;
+        walks = true;
+        passes_hidden = false;
+      }
+      if (next.t_world >= span.y || !SKIPS_EMPTY || !hidden_at(mix(front.p_index, next.p_index, 0.5))) { break; }
       front = next;
-      front_medium = NO_MEDIUM;
+      passes_hidden = true;
     }
+    if (CLASSIFIES && SKIPS_EMPTY && walks) { front_known = know_empty(front); }
+    if (CLASSIFIES && passes_hidden) { front_known = know(front); }
     var back = next;
     var length = max(next.t_world - front.t_world, 0.0);
     if (HAS_EMPTY) {
       // Where one end is empty, half of the slab is there, with the sample of the other end.
-      let gaps = vec2<bool>(is_empty(front.value), is_empty(next.value));
+      let gaps = vec2<bool>(is_gap(front.value), is_gap(next.value));
       if (all(gaps)) {
         ended = next.t_world >= span.y;
         if (ended) { break; }
@@ -64,8 +91,9 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
       length *= select(1.0, 0.5, any(gaps));
       back = select_sample(next, front, gaps.y);
       front = select_sample(front, next, gaps.x);
+      if (CLASSIFIES) { front_known = know(front); }
     }
-    let share = surface(front, back);
+    let share = shown_surface(front, back);
     if (share <= 1.0) {
       take_surface(&acc, ray, index_ray, front, back, share);
       ended = true;
@@ -73,16 +101,16 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>) -> Result {
     }
     var slab = NO_SLAB;
     var lit_rgb = vec3f(0.0);
-    if (CLASSIFIES && !CARRIES_MEDIUM) { slab = classify(front, back, length); }
-    if (CLASSIFIES && CARRIES_MEDIUM) {
-      if (HAS_EMPTY) { front_medium = medium(front); }
-      let back_medium = medium(back);
-      slab = classify_media(front_medium, back_medium, length);
-      front_medium = back_medium;
-    }
-    if (MASKS_EMPTY && empty_slab(front, back)) { slab = NO_SLAB; }
-    if (CLASSIFIES && (slab.alpha > 0.0 || any(slab.front_rgb + slab.back_rgb > vec3f(0.0)))) {
-      lit_rgb = light_slab(front, back, slab, ray);
+    if (CLASSIFIES) {
+      let back_known = know(back);
+      // Extinction times opacity is a length times opacity.
+      let part = part_at(mix(front.p_index, back.p_index, 0.5));
+      let thinned = length * part.opacity * weight(front, back, length);
+      slab = tinted(classify_known(front, front_known, back, back_known, thinned), part.rgb);
+      front_known = back_known;
+      if (slab.alpha > 0.0 || any(slab.front_rgb + slab.back_rgb > vec3f(0.0))) {
+        lit_rgb = light_slab(front, back, slab, ray);
+      }
     }
     ended = take(&acc, front, back, slab, lit_rgb, length) || next.t_world >= span.y;
     if (ended) { break; }
@@ -99,21 +127,33 @@ fn is_idle(front: Sample, next: Sample) -> bool {
   return SKIPS_EMPTY && empty_slab(front, next);
 }
 
+// The surface within a slab, where at least half of its region is drawn: opacity runs straight from end to end.
+fn shown_surface(front: Sample, back: Sample) -> f32 {
+  let share = surface(front, back);
+  if (share > 1.0) { return share; }
+  let opacity = vec2f(part_at(front.p_index).opacity, part_at(back.p_index).opacity);
+  if (mix(opacity.x, opacity.y, share) >= 0.5) { return share; }
+  if (opacity.y < 0.5) { return 2.0; }
+  let begin = (0.5 - opacity.x) / (opacity.y - opacity.x);
+  var here = front;
+  here.value = mix_values(front.value, back.value, begin);
+  return select(2.0, begin, surface(here, back) <= 0.0);
+}
+
 fn select_sample(one: Sample, other: Sample, takes_other: bool) -> Sample {
   if (takes_other) { return other; }
   return one;
 }
 
 const NO_SLAB = Slab(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0);
-const NO_MEDIUM = Medium(vec3f(0.0), 0.0);
 
 // A surface inside a slab: the sample there, as a slab without length.
 fn take_surface(
   acc: ptr<function, Accumulated>, ray: Ray, index_ray: IndexRay, front: Sample, back: Sample, share: f32,
 ) {
   var hit = fetch(ray, index_ray, mix(front.t_world, back.t_world, share));
-  hit.value = mix(front.value, back.value, share);
-  let rgb = medium(hit).rgb;
+  hit.value = mix_values(front.value, back.value, share);
+  let rgb = medium(hit).rgb * part_at(hit.p_index).rgb;
   let slab = Slab(rgb, 1.0, vec3f(0.0), 0.0, 1.0);
   take(acc, hit, hit, slab, light_slab(hit, hit, slab, ray), 0.0);
 }

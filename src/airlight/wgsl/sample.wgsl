@@ -12,6 +12,9 @@ struct Sample {
 
 struct Medium { rgb: vec3f, extinction: f32 }  // not associated, or the source itself where the function is associated
 
+// What of a place is drawn: factors of its colour and of its extinction.
+struct Part { rgb: vec3f, opacity: f32 }
+
 // The colour of a slab split between its two ends, so that each can be lit by itself.
 struct Slab { front_rgb: vec3f, front_specular: f32, back_rgb: vec3f, back_specular: f32, alpha: f32 }
 

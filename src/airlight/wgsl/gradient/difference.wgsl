@@ -1,6 +1,6 @@
 // Differences of the field over one voxel to each side, shortened at the faces of the domain and at empty samples.
 
-import slot::field::{locate, field_value};
+import slot::field::{locate, field_scalar};
 import generated::layer::layer;
 import generated::sizes::HAS_EMPTY;
 import package::empty::is_empty;
@@ -12,10 +12,10 @@ fn difference(p_index: vec3f, axis: vec3f) -> f32 { return known_difference(p_in
 fn known_difference(p_index: vec3f, axis: vec3f) -> vec2f {
   var low = max(p_index - axis, layer.domain_low);
   var high = min(p_index + axis, layer.domain_high);
-  var value_low = field_value(locate(low));
-  var value_high = field_value(locate(high));
+  var value_low = field_scalar(locate(low));
+  var value_high = field_scalar(locate(high));
   if (HAS_EMPTY) {
-    let value_here = field_value(locate(p_index));
+    let value_here = field_scalar(locate(p_index));
     if (is_empty(value_low)) { low = p_index; value_low = value_here; }
     if (is_empty(value_high)) { high = p_index; value_high = value_here; }
     if (is_empty(value_here)) { return vec2f(0.0); }

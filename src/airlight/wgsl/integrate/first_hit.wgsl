@@ -3,6 +3,7 @@
 import generated::first_hit::params;
 import package::ray::INFINITE;
 import package::sample::{Sample, Slab, Result};
+import slot::values::scalar_of;
 
 struct Accumulated { rgb: vec3f, t_world: f32 }
 
@@ -10,9 +11,11 @@ fn begin() -> Accumulated { return Accumulated(vec3f(0.0), INFINITE); }
 
 // A ray that begins beyond the value meets the surface where it begins.
 fn surface(front: Sample, back: Sample) -> f32 {
-  if (front.value >= params.iso) { return 0.0; }
-  if (back.value < params.iso) { return 2.0; }
-  return (params.iso - front.value) / (back.value - front.value);
+  let s_front = scalar_of(front.value);
+  let s_back = scalar_of(back.value);
+  if (s_front >= params.iso) { return 0.0; }
+  if (s_back < params.iso) { return 2.0; }
+  return (params.iso - s_front) / (s_back - s_front);
 }
 
 fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab, lit_rgb: vec3f, length: f32) -> bool {

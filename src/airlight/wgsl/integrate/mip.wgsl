@@ -2,6 +2,7 @@
 
 import package::integrate::extreme::{Extreme, no_extreme, keep, show};
 import package::sample::{Sample, Slab, Result};
+import slot::values::scalar_of;
 
 struct Accumulated { extreme: Extreme }
 
@@ -9,8 +10,8 @@ fn begin() -> Accumulated { return Accumulated(no_extreme()); }
 
 fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab, lit_rgb: vec3f, length: f32) -> bool {
   var extreme = (*acc).extreme;
-  keep(&extreme, front, front.value > extreme.here.value);
-  keep(&extreme, back, back.value > extreme.here.value);
+  keep(&extreme, front, scalar_of(front.value) > scalar_of(extreme.here.value));
+  keep(&extreme, back, scalar_of(back.value) > scalar_of(extreme.here.value));
   (*acc).extreme = extreme;
   return false;
 }

@@ -5,12 +5,13 @@ import package::sample::{Sample, Slab};
 import slot::field::locate;
 import slot::gradient::field_gradient;
 import slot::shade::light;
+import slot::values::mix_values;
 
 // `share` is 0 at the front, 1 at the back.
 fn lit_at(front: Sample, back: Sample, share: f32, slab: Slab, ray: Ray) -> vec3f {
   let p_index = mix(front.p_index, back.p_index, share);
   let here = Sample(
-    mix(front.value, back.value, share),
+    mix_values(front.value, back.value, share),
     field_gradient(locate(p_index)),
     p_index,
     mix(front.p_world, back.p_world, share),

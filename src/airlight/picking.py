@@ -1,0 +1,53 @@
+"""From a pixel of an image to the point of the world that it shows."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from .errors import ValueRangeError
+from .first_picture import resolved_camera
+from .scene import Scene
+
+if TYPE_CHECKING:
+    from .rendering.image import Image
+
+
+def pick(image: Image, scene: Scene, pixel: tuple[int, int]) -> tuple[float, float, float] | None:
+    """Point (x, y, z) of the world that a pixel shows; None where the image has no depth.
+
+    It is the surface of ``first_hit``, the extreme of ``mip`` and ``minip``, and else where opacity passes one half.
+
+    Parameters
+    ----------
+    image
+        A rendered image, with its depth.
+    scene
+        The scene that it shows; a named view is that of the image's size.
+    pixel
+        Column and row, from 0, counted from the upper left corner.
+
+    Raises
+    ------
+    ValueRangeError
+        For pixels that lie outside of the image.
+    StageError
+        When only the device knows the camera's rays.
+
+    Examples
+    --------
+    >>> import airlight as al
+    >>> scene = al.first_picture(al.samples.load("hydrogen", size=32))
+    >>> point = al.pick(al.render(scene, (64, 64)), scene, (32, 32))
+    >>> function = al.automatic.peak_at(scene.layers[0].volume, point)
+    """
+    width, height = image.size
+    column, row = pixel
+    if not (0 <= column < width and 0 <= row < height):
+        raise ValueRangeError("pixel", f"is {(column, row)}, must lie in the image of {width} x {height}")
+    depth = float(image.depth[row, column])
+    if not math.isfinite(depth):
+        return None
+    origin_world, direction_world = resolved_camera(scene, image.size).ray((column + 0.5, row + 0.5), image.size)
+    x, y, z = (float(c) for c in origin_world + depth * direction_world)
+    return x, y, z

@@ -1,0 +1,101 @@
+"""Transfer functions of regions: each one's share in a place is that of its labels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ..errors import StageError
+from ..stage import U32, Context, Mat4f, Resource, Table, Vec4f, param
+from ..transfer.cells import all_even, even_cells, has_stepped_ends, stacked_texels, value_axis
+from ..transfer.regions import ByRegion
+from .field_channels import by_group
+from .transfer import STAND_INS, Transfer, four_widest, is_empty_beyond
+from .transfer_channels import evenness_error
+
+
+@dataclass(frozen=True, eq=False)
+class RegionFunctionsUniforms:
+    """Axes of the functions, four to a column, and the values at which none of them holds anything."""
+
+    count: U32 = param(1)
+    first_value: Mat4f = param(None, unit="data")
+    last_value: Mat4f = param(None, unit="data")
+    per_value: Mat4f = param(None, unit="1/data")
+    even_cells: Mat4f = param(None)
+    empty_low: Vec4f = param((3e38, 3e38, 3e38, 3e38), unit="data")
+    empty_high: Vec4f = param((-3e38, -3e38, -3e38, -3e38), unit="data")
+
+
+class OfRegions(Transfer):
+    """Base of the stages for functions of regions: the media of the eight labels round a place, by their weights."""
+
+    uniform_type: ClassVar[type | None] = RegionFunctionsUniforms
+
+    def variant(self, context: Context) -> dict[str, bool]:
+        """Return what colours mean, what lies at the ends of the functions, and whether all cells are equally wide."""
+        functions = context.transfer.functions
+        return {
+            "associated": functions[0].associated,
+            "open_ends": not all(is_empty_beyond(function) for function in functions),
+            "stepped_ends": any(has_stepped_ends(function) for function in functions),
+            "even": all_even(functions),
+        }
+
+    def uniforms(self, context: Context) -> Any:
+        """Return the axes of the functions."""
+        functions = context.transfer.functions
+        axes = [value_axis(function) for function in functions]
+        low, high = four_widest(context.transfer.empty_stretches)
+        return RegionFunctionsUniforms(
+            count=len(functions),
+            first_value=by_group(dict(enumerate(first for first, _ in axes))),
+            last_value=by_group(dict(enumerate(last for _, last in axes))),
+            per_value=by_group(dict(enumerate(1.0 / (last - first) for first, last in axes))),
+            even_cells=by_group(dict(enumerate(map(even_cells, functions)))),
+            empty_low=low,
+            empty_high=high,
+        )
+
+    def resources(self, context: Context) -> Mapping[str, Resource]:
+        """Return the cells of the functions, one behind the other."""
+        return {"function": Table(stacked_texels(context.transfer.functions))}
+
+
+@dataclass(frozen=True)
+class PostClassifiedRegions(OfRegions):
+    """A slab is the mean of the media at its two ends, those of its middle's regions."""
+
+    name: ClassVar[str] = "postclassified_regions"
+    wgsl: ClassVar[str] = "transfer/postclassified_regions.wgsl"
+
+
+@dataclass(frozen=True)
+class PreIntegratedRegions(OfRegions):
+    """Each function is integrated along the straight line between a slab's two values, and their mixture spread evenly.
+
+    Opacity is exact for the regions in the slab's middle; what attenuation within the slab shifts is left out.
+    """
+
+    name: ClassVar[str] = "preintegrated_regions"
+    wgsl: ClassVar[str] = "transfer/preintegrated_regions.wgsl"
+    integrates: ClassVar[bool] = True
+
+    def errors(self, context: Context) -> dict[str, float]:
+        """Return what the even spread may cost a slab at worst."""
+        alone = (ByRegion((function,)) for function in context.transfer.functions)
+        return {"colour of a slab, its medium spread evenly": max(evenness_error(one, context.step_world) for one in alone)}
+
+
+def _stand_in(stage: Transfer, function: ByRegion) -> Transfer:
+    if stage.name == "postclassified":
+        return PostClassifiedRegions()
+    if stage.name in ("preintegrated", "preintegrated_fast"):
+        return PreIntegratedRegions()
+    raise StageError(
+        f"look.transfer {stage.name!r}", "draws one function", "use preintegrated or postclassified for own ones of labels"
+    )
+
+
+STAND_INS[ByRegion] = _stand_in

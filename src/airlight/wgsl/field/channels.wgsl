@@ -1,0 +1,22 @@
+// What the fields of several channels share: groups of four, one behind the other along z of the texture.
+
+import generated::field::params;
+import generated::layer::layer;
+import generated::sizes::{Values, GROUPS, HAS_EMPTY};
+import package::empty::EMPTY;
+import slot::values::is_gap;
+
+// Slice of the texture in which a group of channels begins.
+fn first_slice(group: u32) -> f32 { return params.stacked[group] * layer.size.z; }
+
+// The number of which gradients are taken: a weighted sum of the channels, each held within the values that matter.
+fn weighted_sum(values: Values) -> f32 {
+  var sum = 0.0;
+  for (var group = 0u; group < GROUPS; group++) {
+    var here = values[group];
+    if (HAS_EMPTY) { here = select(here, params.nothing[group], here <= vec4f(EMPTY)); }
+    sum += dot(params.weight[group], clamp(here, params.low[group], params.high[group]));
+  }
+  if (HAS_EMPTY && is_gap(values)) { return EMPTY; }
+  return sum;
+}

@@ -1,0 +1,39 @@
+// A slab along which the value runs straight from one end to the other: what the function's integral says of it.
+
+import generated::transfer::OPEN_ENDS;
+import package::optics::{make_slab, over};
+import package::sample::Slab;
+import package::transfer::cells::{Axis, Reached, reach_on};
+
+const NEAR: f32 = 1e-5;  // share of the axis: closer values are told apart by too few digits
+
+// Mean source and mean extinction [1/world], over the part of the slab whose values lie on the axis.
+fn mean_between(front: Reached, back: Reached, per_value: f32) -> vec4f {
+  let way = (back.value - front.value) * per_value;
+  let difference = (back.high - front.high) + (back.low - front.low);
+  return max(select(0.5 * (front.here + back.here), difference / way, abs(way) > NEAR), vec4f(0.0));
+}
+
+// Beyond its ends the function is constant: how much of a slab's length lies before, within and behind its axis.
+fn lengths_of(s_front: f32, front: Reached, s_back: f32, back: Reached, length: f32) -> vec3f {
+  let per_value = select(0.0, length / abs(s_back - s_front), front.value != back.value);
+  let before = abs(front.value - s_front) * per_value;
+  let after = abs(s_back - back.value) * per_value;
+  return vec3f(before, max(length - before - after, 0.0), after);
+}
+
+fn homogeneous(medium: vec4f, length: f32) -> Slab { return make_slab(medium.rgb, medium.a, length); }
+
+// The slab within the axis between those beyond its ends, which mostly hold nothing.
+fn with_ends(front: Reached, inside: Slab, back: Reached, lengths: vec3f) -> Slab {
+  if (!OPEN_ENDS) { return inside; }
+  return over(homogeneous(front.here, lengths.x), over(inside, homogeneous(back.here, lengths.z)));
+}
+
+// Mean source and extinction [1/world] of one function, of what lies beyond its ends, too.
+fn mean_along(axis: Axis, s_front: f32, s_back: f32) -> vec4f {
+  let front = reach_on(axis, s_front);
+  let back = reach_on(axis, s_back);
+  let shares = lengths_of(s_front, front, s_back, back, 1.0);
+  return shares.x * front.here + shares.y * mean_between(front, back, axis.per_value) + shares.z * back.here;
+}

@@ -1,0 +1,74 @@
+// Surfaces of equal value, from the tables of `transfer/crossings.py`: which of them a slab crosses, and what these send together.
+
+import generated::transfer::{params, surfaces, pairs};
+import package::sample::{Sample, Slab};
+
+const ROWS_IN_LINE = 64u;
+
+// How many iso-values lie at or below a value: its number. Values on an iso-value are above it.
+fn number_of(value: f32) -> u32 {
+  let place = saturate((value - params.surface_first) * params.surface_per_value) * f32(params.surface_bins);
+  let bin = surface_row(min(u32(place), params.surface_bins - 1u));
+  var number = u32(bin.x) + u32(value >= bin.y) + u32(value >= bin.z) + u32(value >= bin.w);
+  if (value >= bin.w) {
+    while (number < params.surface_count && value >= surface_value(number)) { number++; }
+  }
+  return number;
+}
+
+fn surface_row(row: u32) -> vec4f { return textureLoad(surfaces, vec3u(row % ROWS_IN_LINE, row / ROWS_IN_LINE, 0u), 0); }
+
+fn surface_value(number: u32) -> f32 { return surface_row(params.surface_bins + number * params.surface_rows).x; }
+
+// The surfaces between a slab's two ends: values, and places in the slab, of the front-most and the hindmost.
+struct Crossing { pair: u32, first_value: f32, last_value: f32, first: f32, last: f32, mean_extinction: f32 }
+
+fn crossing_of(s_front: f32, front: u32, s_back: f32, back: u32) -> Crossing {
+  let pair = (front * (params.surface_count + 1u) + back) * params.surface_layers;
+  let between = pair_at(pair);
+  let span = select(1.0, s_back - s_front, s_back != s_front);
+  let places = saturate((between.xy - s_front) / span);
+  return Crossing(pair, between.x, between.y, places.x, places.y, between.z);
+}
+
+// The number behind so many surfaces.
+fn step_on(number: u32, surfaces: u32, rises: bool) -> u32 { return select(number - surfaces, number + surfaces, rises); }
+
+// Lines of 1024 texels, slices of 1024 lines.
+fn pair_at(texel: u32) -> vec4f {
+  return textureLoad(pairs, vec3u(texel & 1023u, (texel >> 10u) & 1023u, texel >> 20u), 0);
+}
+
+// Light of the surfaces, and its moment over the way from the first to the last, as kept for a length.
+fn light_at(crossing: Crossing, length: u32) -> vec4f { return pair_at(crossing.pair + 1u + 2u * length); }
+
+fn moment_at(crossing: Crossing, length: u32) -> vec4f { return pair_at(crossing.pair + 2u + 2u * length); }
+
+// As a slab that is lit where the surfaces are.
+fn crossed(crossing: Crossing, light: vec4f, moment: vec4f) -> Slab {
+  let back = clamp(crossing.first * light + (crossing.last - crossing.first) * moment, vec4f(0.0), light);
+  let front = light - back;
+  return Slab(front.rgb, front.a, back.rgb, back.a, light.a);
+}
+
+// By how much a driver has stretched a slab: its optical thickness, that of surfaces too, is multiplied.
+fn thickness_of(front: Sample, back: Sample, length: f32) -> f32 {
+  let distance = back.t_world - front.t_world;
+  return select(1.0, length / distance, distance > 0.0 && length != distance);
+}
+
+// What gets through when the thickness is multiplied. What is opaque stays so.
+fn thicker(through: f32, thickness: f32) -> f32 {
+  return select(select(pow(through, thickness), 1.0, thickness <= 0.0), through, thickness == 1.0);
+}
+
+// The same light of another opacity.
+fn thinned(slab: Slab, alpha: f32) -> Slab {
+  let f = alpha / max(slab.alpha, 1e-30);
+  return Slab(slab.front_rgb * f, slab.front_specular * f, slab.back_rgb * f, slab.back_specular * f, alpha);
+}
+
+// A slab is lit where its opacity lies.
+fn centre_of(slab: Slab) -> f32 {
+  return select(0.5, saturate(slab.back_specular / slab.alpha), slab.alpha > 0.0);
+}
