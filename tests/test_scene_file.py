@@ -447,6 +447,8 @@ names.3 = "liver"
     for wrong, right, what in (
         ("hidden", "hiden", "unknown entries"),
         ('"0,4-6"', '"0,6-4"', "backwards"),
+        ("styles.3 = {", "styles.4 = 5\nstyles.3 = {", "is 5, must be a table"),
+        ('hidden = "0,4-6"', "hidden = 5", "labels.hidden is 5, must be a list"),
         ("opacity = 0.5", "opacity = 1.5", r"must lie in \[0, 1\]"),
         ("styles.3", "styles.three", "whole number"),
         ('"labels.nii"', '"image.nii"', "channels"),
@@ -455,6 +457,22 @@ names.3 = "liver"
         with pytest.raises(airlight.AirlightError, match=what) as error:
             scene_file.load_scene(path)
         assert "scene.toml" in str(error.value)
+
+
+def test_labels_that_are_no_file(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text("[[layers]]\nvolume = 'a.nrrd'\nlabels = 5\n")
+    with pytest.raises(ValueRangeError, match=r"scene.toml:3: layers\[0\].labels is 5, must be a table"):
+        scene_file.load_scene(path)
+
+
+def test_numbers_of_numpy_are_saved(tmp_path: Path) -> None:
+    function = TransferFunction([(0, "white", 1)])
+    mixture = Channels([Channel(np.int64(0), function, density=np.float32(0.5))])  # type: ignore[arg-type]
+    layer = Layer(make_volume("/data/a.nrrd"), mixture, channel=np.int64(0), time=np.int32(0), density=np.float32(2))  # type: ignore[arg-type]
+    assert type(layer.channel) is int
+    scene_file.save_scene(Scene(layers=[layer]), tmp_path / "scene.toml")
+    assert scene_file.load_scene(tmp_path / "scene.toml")[0].layers[0] == layer
 
 
 def test_plain_labels_are_a_file_name(tmp_path: Path) -> None:

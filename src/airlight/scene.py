@@ -22,7 +22,9 @@ from .stages.transfer import Transfer
 from .transfer import TransferFunction, linear_rgb
 from .transfer.channels import Channels
 from .transfer.colour import Colour
+from .transfer.given import finite, whole
 from .transfer.joint import JointFunction
+from .transfer.joint_axes import set_fields
 from .transfer.kinds import AnyFunction, DrawnFunction, as_function, channels_of, drawn_function
 from .volume import FloatArray, Volume, statistics
 
@@ -193,8 +195,11 @@ class Layer:
             raise DataError("scene", f"got the path {str(self.volume)!r}", "pass airlight.open(path)")
         if not isinstance(self.volume, Volume):
             object.__setattr__(self, "volume", Volume(self.volume))
-        if not (math.isfinite(self.density) and self.density >= 0):
-            raise ValueRangeError("layer.density", f"is {self.density}, must be finite and at least 0")
+        density = finite(self.density, "layer.density")
+        if density < 0:
+            raise ValueRangeError("layer.density", f"is {density}, must be finite and at least 0")
+        channel = self.channel if isinstance(self.channel, str) else whole(self.channel, "layer.channel", 0)
+        set_fields(self, density=density, channel=channel, time=whole(self.time, "layer.time", 0))
         object.__setattr__(self, "transfer", as_function(self.transfer))
         if self.transfer is not None and not isinstance(self.transfer, AnyFunction):
             found = f"is a {type(self.transfer).__name__}"

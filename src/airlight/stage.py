@@ -109,13 +109,6 @@ class Table:
     texels: npt.NDArray[np.float32]
 
 
-@dataclass(frozen=True, eq=False)
-class Records:
-    """Rows of four float32 numbers, ``(n, 4)``, that WGSL reads as ``array<vec4f>``."""
-
-    rows: npt.NDArray[np.float32]
-
-
 @dataclass(frozen=True)
 class SlabTable:
     """Slabs of a function, ``entries`` x ``entries`` for ``lengths`` lengths up to ``length``; made on the device.
@@ -176,7 +169,7 @@ class LabelCells:
     numbers: LabelNumbers
 
 
-Resource = Table | Records | SlabTable | Grid | GradientGrid | ClassifiedGrid | LabelCells
+Resource = Table | SlabTable | Grid | GradientGrid | ClassifiedGrid | LabelCells
 
 
 @dataclass(frozen=True)

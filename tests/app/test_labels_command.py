@@ -52,4 +52,16 @@ def test_what_is_wrong_is_told(folder):
 
 def test_numbers_ranges_and_names():
     labels = al.Labels(np.zeros((2, 2, 2), dtype=np.uint8), names={7: "left-sided", 8: "3rd"})
-    assert parse_labels("1-3,left-sided,-4", labels) == {1, 2, 3, 7, -4}
+    assert parse_labels("1-3,left-sided,-4,3rd", labels) == {1, 2, 3, 7, -4, 8}
+    with pytest.raises(al.ValueRangeError, match=r"--hide-labels have no '4th': see names"):
+        with_labels(layer(labels=labels), LabelOptions(hide_labels="4th"))
+
+
+def test_the_image_itself_is_read_once(folder):
+    image = al.Layer(al.open("atlas.nii.gz"))
+    assert with_labels(image, LabelOptions("atlas.nii.gz")).labels.volume is image.volume
+
+
+def test_labels_are_held_to_the_memory(folder):
+    with pytest.raises(al.AirlightError, match="max_memory"):
+        with_labels(layer(), LabelOptions("atlas.nii.gz"), max_memory=10)

@@ -183,6 +183,19 @@ def test_the_table_is_what_styles_say():
         (lambda: al.Layer(volume(), labels=np.zeros((2, 2, 2))), "are float64"),
         (lambda: al.Layer(volume(), labels=al.Volume(np.zeros((2, 1, 2, 2, 2), dtype=np.uint8)), time=0), None),
         (lambda: al.Labels.from_dict(volume(), {"styles": {"3": {"color": "red"}}}), "unknown entries"),
+        (lambda: al.Labels.from_dict(volume(), {"styles": {"3": "red"}}), "is 'red', must be a table"),
+        (lambda: al.Labels.from_dict(volume(), {"styles": 5}), "labels.styles are 5, must be a table"),
+        (lambda: al.Labels.from_dict(volume(), {"names": 5}), "labels.names are 5, must be a table"),
+        (lambda: al.Labels.from_dict(volume(), {"hidden": 5}), "labels.hidden is 5, must be a list"),
+        (lambda: al.Labels(volume(), ["red"]), "labels.styles are .*: give styles by label"),
+        (lambda: al.Labels(volume(), hidden=3), "labels.hidden is 3, must be a list"),
+        (lambda: al.Labels(volume()).only(None), "is None, must be a list: give numbers or names"),
+        (lambda: al.Labels(volume()).hide("9" * 5000), "have no"),
+        (lambda: al.Layer(volume(), labels="atlas.nii.gz"), "pass airlight.open"),
+        (lambda: al.Layer(volume(), [TF, "red"]), "transfer.channel 1 has a str"),
+        (lambda: al.Layer(volume(), time=0.5), "layer.time is 0.5, must be a whole number"),
+        (lambda: al.Layer(volume(), channel=True), "layer.channel is True"),
+        (lambda: al.Layer(volume(), density="1"), "layer.density is '1'"),
     ],
 )
 def test_what_is_wrong_is_told(make, what):
@@ -222,7 +235,7 @@ def test_tables_of_names(tmp_path):
         "2   Left-Cerebral-White-Matter     245 245 245 0\n"
         "1 Precentral_L 2001\n"
         '17   10  20   30        1  1  1    "Left hippocampus, head"\n'
-        "5,two words,255,0,0\n"
+        "5,two words,255,0,0,0\n"
         "\n"
         "7 9\n",
         encoding="utf-8",
@@ -248,6 +261,44 @@ def test_tables_of_names(tmp_path):
     for wrong in (path, tmp_path / "missing.txt"):
         with pytest.raises(al.FileError):
             read_label_table(wrong)
+
+
+@pytest.mark.parametrize(
+    ("line", "name", "colour"),
+    [
+        ("2 Area 4", "Area 4", None),
+        ("2 Area 4 255 0 0", "Area 4", (1, 0, 0)),
+        ("2 Area 4 left 255 0 0", "Area 4 left", (1, 0, 0)),
+        ("2 Precentral_L 2001", "Precentral_L", None),
+        ("2 Layer 2 3", "Layer 2 3", None),
+        ("2 centroid 10.5 -20 30", "centroid", None),
+    ],
+)
+def test_names_may_end_with_numbers(line, name, colour, tmp_path):
+    path = tmp_path / "names.txt"
+    path.write_text(f"1 plain 0 0 255\n{line}\n{'9' * 5000} far\n")
+    table = read_label_table(path)
+    assert table.names == {1: "plain", 2: name}
+    assert table.colours.get(2) == colour
+
+
+def test_a_name_stands_for_all_that_have_it():
+    labels = al.Labels(volume(), names={3: "rib", 7: "rib", 9: "spine"})
+    assert labels.hide("rib").hidden == {3, 7}
+
+
+def test_kept_arrays_are_read_only():
+    labels = al.Labels(volume())
+    for array in (labels.ids(), styles_table(labels)):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+
+
+def test_labels_equal_to_the_image_are_alone():
+    layer = al.Layer(volume(), TF, labels=al.Labels(volume()))
+    assert layer.labels.volume is not layer.volume
+    assert layer.stages()["field"].name == "occupancy"
+    assert layer.labels.hidden == {0}
 
 
 @pytest.mark.data

@@ -281,3 +281,30 @@ def test_channels_that_are_not_there_are_named(renderer):
     named = al.Volume(channels(2).array, channel_names=["DAPI", "GFP"])
     with pytest.raises(al.ValueRangeError, match="once"):
         draw(renderer, named, al.Channels({"DAPI": function(0), 0: function(1)}))
+
+
+def test_change_is_refused_for_a_mixture(renderer):
+    volume = al.Volume(np.random.default_rng(1).uniform(0, 1, (2, 6, 7, 8)).astype(np.float32))
+    ramp = al.TransferFunction([(0, "red", 0), (1, "red", 1)])
+    drawn = al.Scene(volume, transfer=[ramp, ramp], look=al.Look(modulation="change"))
+    with pytest.raises(al.StageError, match=r"look.modulation 'change'.*use gradient_magnitude"):
+        renderer.render(drawn, (8, 8))
+    renderer.render(al.Scene(volume, transfer=[ramp, ramp], look=al.Look(modulation="gradient_magnitude")), (8, 8))
+
+
+def test_precomputed_gradients_follow_the_channels_that_are_shown(renderer):
+    """Eight channels with equal functions: showing two of the second group must not be lit by gradients of the first."""
+    rng = np.random.default_rng(2)
+    volume = al.Volume(rng.uniform(0, 1, (8, 10, 11, 12)).astype(np.float32))
+    ramp = al.TransferFunction([(0, "white", 0), (1, "white", 0.5)])
+    look = al.Look(gradient="precomputed", field="linear_exact")
+
+    def shown(*numbers):
+        parts = [al.Channel(i, ramp, visible=i in numbers) for i in range(8)]
+        return al.Scene(volume, transfer=al.Channels(parts), look=look)
+
+    first = renderer.render(shown(0, 1), (32, 32)).rgba
+    second = renderer.render(shown(4, 5), (32, 32)).rgba
+    with al.Renderer() as fresh:
+        assert np.array_equal(second, fresh.render(shown(4, 5), (32, 32)).rgba)
+    assert not np.array_equal(first, second)

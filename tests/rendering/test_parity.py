@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scenes import SIZE, blobs, scene
+from scenes import SIZE, blobs, cameras, scene
 
 import airlight as al
 from airlight import reference
@@ -113,3 +113,18 @@ def test_thin_volumes(renderer, shape):
     for field in ("linear", "nearest"):
         compare(renderer, scene(volume, field=field, integrate="mean"))
         compare(renderer, scene(volume, field=field, shade="none", transfer=al.transfer.PreIntegrated(entries=512)))
+
+
+@pytest.mark.parametrize("transfer", ["preintegrated", "preintegrated_fast"])
+@pytest.mark.parametrize("field", ["nearest", "linear"])
+def test_whole_numbers_at_a_step_at_the_end_of_a_function(renderer, transfer, field):
+    """Values that are exactly the first one of a function that begins with a step: what lies below it stays empty."""
+    rng = np.random.default_rng(5)
+    volume = al.Volume(rng.choice([50, 100, 150], (12, 13, 14)).astype(np.uint8), spacing=(1, 1.5, 2))
+    box = al.TransferFunction([(100, "black", 0), (100, "red", 0.5), (150, "lime", 0.5), (150, "black", 0)])
+    drawn = al.Scene(
+        volume, transfer=box, camera=cameras(volume)["perspective"], look=al.Look(field=field, transfer=transfer, shade="none")
+    )
+    image, truth = renderer.render(drawn, SIZE), reference.render(drawn, SIZE)
+    error = np.abs(image.rgba - truth.rgba).max(axis=-1)
+    assert np.quantile(error, 0.98) <= TABLE_ERROR  # samples on a border of voxels may fall to either

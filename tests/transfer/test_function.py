@@ -34,6 +34,33 @@ def test_round_trip_as_plain_data():
     assert hash(TransferFunction.from_dict(tf.to_dict())) == hash(tf)
 
 
+def test_kept_arrays_are_read_only():
+    tf = TransferFunction([(0, "red", 0.1), (1, "red", 1)])
+    for array in (tf.values, tf.colours, tf.extinctions):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: TransferFunction([(0, "red", 1)]).with_surfaces(3), "transfer.surfaces is 3, must be a list: give a Surface"),
+        (lambda: TransferFunction.from_surfaces(300), "transfer.surfaces is 300, must be a list"),
+        (lambda: TransferFunction.from_colormap("viridis", 255), r"is 255, must be a list: give \(first, last\)"),
+        (lambda: TransferFunction.from_colormap("viridis", (0, 1, 2)), r"is \(0, 1, 2\): give \(first, last\)"),
+        (lambda: TransferFunction.gaussian("a", 1), "gaussian.centre is 'a', must be a finite number"),
+        (lambda: TransferFunction([(0, "red", 1)]).scaled("2"), "density is '2', must be at least 0"),
+        (lambda: TransferFunction.random_surfaces(1, (0, 1), 2.5), "count is 2.5, must be a whole number in"),
+        (lambda: TransferFunction.random(-1, (0, 1)), "seed is -1, must be a whole number of at least 0"),
+        (lambda: TransferFunction([(0, "red", 1)], "false"), "associated is 'false', must be true or false"),
+        (lambda: TransferFunction(5), "transfer.points is 5, must be a list"),
+    ],
+)
+def test_what_is_of_a_wrong_type_is_told(make, message):
+    with pytest.raises(ValueRangeError, match=message):
+        make()
+
+
 @pytest.mark.parametrize(
     ("points", "message"),
     [

@@ -101,6 +101,12 @@ def test_round_trips_through_files(function):
         assert [file.name for file in Path(folder).iterdir()] == ["function.toml"]
 
 
+def test_channels_of_any_name_round_trip(tmp_path):
+    function = JointFunction([Axis('\U0001f52c \x7f\n"', 0, 1), AXES[1]])
+    function.save(tmp_path / "tf.toml")
+    assert JointFunction.load(tmp_path / "tf.toml") == function
+
+
 def test_files_that_are_wrong_name_the_place(tmp_path):
     path = tmp_path / "function.toml"
     JointFunction(AXES[:2], [Box((0, 0), (9, 9)), Box((0, 0), (8, 8))]).save(path)
@@ -334,6 +340,10 @@ def test_a_widened_function_is_empty_on_less_but_not_beyond_its_axes():
         (lambda: Polygon(((0, 0), (1, 0), (2, 0))), "not on one line along an axis"),
         (lambda: Ramp(3, ((0, RED), (1, RED))), "ramp.axis is 3, must be 0, 1 or 2"),
         (lambda: Ramp(0, ((0, RED), (0, RED))), r"ramp.points have coordinates \[0.0, 0.0\]: give two or more, rising"),
+        (lambda: JointFunction(AXES[:2], Box((0, 0), (1, 1))), "transfer.shapes is Box.*, must be a list"),
+        (lambda: JointFunction(AXES[:2]).table(64.5), "entries is 64.5"),
+        (lambda: JointFunction(AXES[:2]).scaled("2"), "density is '2', must be at least 0"),
+        (lambda: Ramp(0, 3), "ramp.points is 3, must be a list"),
         (lambda: Ramp(0, (1, 2)), r"ramp.points\[0\] is 1: give \(coordinate, colour\)"),
         (lambda: JointFunction(AXES[:2]).table(1), r"entries is 1, must lie in \[2, 2048\] for 2 variables"),
         (lambda: JointFunction(AXES[:2]).scaled(-1), "density is -1, must be at least 0"),
@@ -354,6 +364,10 @@ def test_mistakes_name_the_shape_and_the_entry(make, message):
         ({"shapes": [{"kind": "box", "low": [0, 0]}]}, r"transfer.shapes\[0\] box lacks high"),
         ({"shapes": [{"kind": "box", "low": [0, 0], "high": [1, 1], "x": 1}]}, r"shapes\[0\] box has unknown entries \['x'\]"),
         ({"shapes": ["box"]}, r"transfer.shapes\[0\] is 'box', must be a table"),
+        ({"axes": 5}, "transfer.axes is 5, must be a list"),
+        ({"shapes": 5}, "transfer.shapes is 5, must be a list"),
+        ({"shapes": [{"kind": "polygon", "vertices": 5}]}, "polygon.vertices is 5, must be a list"),
+        ({"associated": "false"}, "transfer.associated is 'false', must be true or false"),
         ({"axes": [{"variable": "value"}]}, r"transfer.axes\[0\] axis has entries \['variable'\]"),
         ({"shapes": [{"kind": "box", "low": [0, 0], "high": [1, 1], "ramp": {}}]}, r"box.ramp has entries \[\]"),
     ],

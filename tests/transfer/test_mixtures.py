@@ -66,6 +66,8 @@ GLOW = al.TransferFunction([(0, "red", 0.0)], associated=True)
         (lambda: al.Channels.from_dict({"channels": {"channel": 0}}), "list of tables"),
         (lambda: al.Channels.from_dict({"channels": [{"channel": 0, "transfer": 3}]}), r"channels\[0\].transfer is 3"),
         (lambda: al.Channels.from_dict({"channels": [{"channel": 0}]}), r"channels\[0\] has the entries \['channel'\]"),
+        (lambda: al.Channels(None), "transfer.channels is None, must be a list"),
+        (lambda: al.Channels.from_dict({"channels": [], "points": []}), r"unknown entries \['points'\]: use channels"),
         (lambda: al.automatic_channels(volume(20)), "are 20; a mixture holds at most 16"),
     ],
 )

@@ -91,7 +91,7 @@ def test_random_surfaces_are_at_even_distances_in_the_same_colours():
     tf = TransferFunction.random_surfaces(7, (0, 100), 4, 0.2)
     assert [s.value for s in tf.surfaces] == [20, 40, 60, 80]
     assert tf == TransferFunction.random_surfaces(7, (0, 100), 4, 0.2) != TransferFunction.random_surfaces(8, (0, 100), 4, 0.2)
-    with pytest.raises(ValueRangeError, match=r"count is 0, must lie in \[1, 1024\]"):
+    with pytest.raises(ValueRangeError, match=r"count is 0, must be a whole number in \[1, 1024\]"):
         TransferFunction.random_surfaces(7, (0, 100), 0)
     with pytest.raises(ValueRangeError, match="runs from 5 to 5"):
         TransferFunction.random_surfaces(7, (5, 5))

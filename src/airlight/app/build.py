@@ -16,7 +16,6 @@ from ..scene import VIEWS, Camera, Layer, Look, Scene, fit_camera
 from ..stage import Stage
 from ..stages.camera import Orthographic, Perspective
 from ..transfer import Surface, TransferFunction, presets
-from ..transfer.automatic import boundary_function, boundary_joint_function
 from ..transfer.colormaps import colours_of
 from ..volume import Volume
 from .labels import LabelOptions, with_labels
@@ -124,7 +123,7 @@ def make_job(
     if surfaces:
         layers = tuple(_with_surfaces(layer, surfaces, alone=not given and not is_scene(path)) for layer in layers)
     if labels is not None:
-        layers = tuple(with_labels(layer, labels, progress) for layer in layers)
+        layers = tuple(with_labels(layer, labels, progress, parse_bytes(read.max_memory)) for layer in layers)
     scene = dataclasses.replace(scene, layers=layers, **changes)
     return Job(orthographic(scene, size) if view.orthographic else scene, size, arguments)
 
@@ -201,6 +200,9 @@ def _with_boundaries(layer: Layer, kind: str, progress: ProgressBar | None) -> L
     """Return the layer with a function that shows the boundaries between materials."""
     if layer.look.integrate.name in PROJECTIONS:
         raise ValueRangeError("--auto", "is for opacity, and projections show values", "leave it out")
+    # Only here: what it needs is a good part of what loading takes.
+    from ..transfer.automatic import boundary_function, boundary_joint_function
+
     make: Any = {"boundaries": boundary_function, "boundaries2d": boundary_joint_function}[kind]
     function = make(layer.volume, layer.channel, layer.time, depth=BOUNDARY_DEPTHS, progress=progress)
     return dataclasses.replace(layer, transfer=function)

@@ -1,15 +1,17 @@
 """Labels on the command line: a volume of labels beside the image, names, and which of them are shown."""
 
+import os
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Group, Parameter
 
 from ..errors import ValueRangeError
 from ..labels import Labels
 from ..labels.names import read_label_table
-from ..labels.ranges import text_to_ids
+from ..labels.ranges import ONE_OR_RANGE, text_to_ids
 from ..scene import Layer
+from ..volume import Volume
 from .progress import ProgressBar
 
 LABELS = Group("Labels", sort_key=1)
@@ -43,7 +45,9 @@ class LabelOptions:
     highlight_labels: Annotated[str | None, _of_labels("Regions that stand out: all others fade")] = None
 
 
-def with_labels(layer: Layer, options: LabelOptions, progress: ProgressBar | None = None) -> Layer:
+def with_labels(
+    layer: Layer, options: LabelOptions, progress: ProgressBar | None = None, max_memory: int | None = None
+) -> Layer:
     """Return a layer with the labels that are asked for, or those of its scene file, shown as is asked for.
 
     Raises
@@ -57,9 +61,7 @@ def with_labels(layer: Layer, options: LabelOptions, progress: ProgressBar | Non
         return layer
     labels = layer.labels
     if options.labels is not None:
-        from .. import io
-
-        labels = Labels(io.open(options.labels, progress=progress))
+        labels = Labels(_opened(options.labels, layer.volume, progress, max_memory))
     if labels is None:
         name = next(name for name, value in vars(options).items() if value is not None)
         raise ValueRangeError(
@@ -68,18 +70,34 @@ def with_labels(layer: Layer, options: LabelOptions, progress: ProgressBar | Non
     if options.label_names is not None:
         labels = read_label_table(options.label_names).applied_to(labels)
     if options.hide_labels is not None:
-        labels = labels.hide(parse_labels(options.hide_labels, labels))
+        labels = labels.hide(parse_labels(options.hide_labels, labels, "--hide-labels"))
     if options.only_labels is not None:
-        labels = labels.only(parse_labels(options.only_labels, labels), labels.time_of(layer.time))
+        labels = labels.only(parse_labels(options.only_labels, labels, "--only-labels"), labels.time_of(layer.time))
     if options.highlight_labels is not None:
-        labels = labels.highlight(parse_labels(options.highlight_labels, labels))
+        labels = labels.highlight(parse_labels(options.highlight_labels, labels, "--highlight-labels"))
     return replace(layer, labels=labels)
 
 
-def parse_labels(text: str, labels: Labels) -> frozenset[int]:
-    """Labels of a text with numbers, ranges and names, with commas between them."""
+def parse_labels(text: str, labels: Labels, where: str = "labels") -> frozenset[int]:
+    """Labels of a text with numbers, ranges and names, with commas between them; ``where`` names the option in errors."""
     found: frozenset[int] = frozenset()
+    names = {name for _, name in labels.names}
     for part in filter(None, (word.strip() for word in text.split(","))):
-        is_number = part.lstrip("-")[:1].isdigit()
-        found |= text_to_ids(part) if is_number else labels.numbers(part)
+        is_number = ONE_OR_RANGE.fullmatch(part) and (part not in names or part.removeprefix("-").isdecimal())
+        try:
+            found |= text_to_ids(part) if is_number else labels.numbers(part)
+        except ValueRangeError as error:
+            raise ValueRangeError(where, error.what, error.remedy) from None
     return found
+
+
+def _opened(path: str, image: Volume, progress: ProgressBar | None, max_memory: int | None) -> Volume:
+    """Volume of labels; the image itself where it is the same file, as a whole, so that it is read once."""
+    from .. import io
+
+    source = image.source
+    is_whole = source is not None and not (source.dataset or source.level or source.options)
+    if source is not None and is_whole and os.path.realpath(source.path) == os.path.realpath(path):
+        return image
+    limits: dict[str, Any] = {} if max_memory is None else {"max_memory": max_memory}
+    return io.open(path, progress=progress, **limits)

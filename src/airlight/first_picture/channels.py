@@ -64,7 +64,7 @@ def automatic_channels(
         raise ValueRangeError("channels", found, "name those that are wanted")
     chosen = dict.fromkeys(range(volume.channel_count)) if colours is None else dict(colours)
     parts = [
-        Channel(channel, _function(volume, channel, time, colour or own))
+        Channel(channel, _function(volume, channel, time, own if colour is None else colour))
         for (channel, colour), own in zip(chosen.items(), distinct_colours(len(chosen)), strict=True)
     ]
     mixture = Channels(parts)

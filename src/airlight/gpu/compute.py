@@ -69,7 +69,7 @@ def _layout_entry(device: Device, binding: Binding) -> dict[str, Any]:
     match binding.kind:
         case "uniform":
             entry["buffer"] = {"type": "uniform"}
-        case "lights" | "records":
+        case "lights":
             entry["buffer"] = {"type": "read-only-storage"}
         case "buffer":
             entry["buffer"] = {"type": "storage"}
@@ -135,17 +135,6 @@ def write_uniforms(device: Device, name: str, data: bytes) -> Any:
     target = buffer(device, name, len(data), usage.UNIFORM | usage.COPY_DST)
     device.queue.write_buffer(target, 0, data)
     return target
-
-
-def release(device: Device, *names: Hashable) -> None:
-    """Let buffers go that no next frame is likely to ask for."""
-    for name in names:
-        device.kept.pop(name, None)
-
-
-def records_buffer(device: Device, rows: npt.NDArray[np.float32]) -> Any:
-    """Make a storage buffer with these rows, which does not change."""
-    return device.gpu.create_buffer_with_data(data=np.ascontiguousarray(rows), usage=wgpu.BufferUsage.STORAGE)
 
 
 def write_records(device: Device, name: Hashable, rows: npt.NDArray[np.float32]) -> Any:

@@ -96,7 +96,9 @@ def label_numbers(volume: Volume, time: int = 0, background: int = 0) -> LabelNu
         if not info.min <= background <= info.max:
             raise DataError("labels.background", f"is {background}, which no {ids.dtype} is", "name a label of this type")
         first = ids.dtype.type(background)
-        cache[time, background] = LabelNumbers(volume, time, np.concatenate([[first], ids[ids != first]]).astype(ids.dtype))
+        ids = np.concatenate([[first], ids[ids != first]]).astype(ids.dtype)
+        ids.flags.writeable = False
+        cache[time, background] = LabelNumbers(volume, time, ids)
     return cache[time, background]
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from ..errors import ValueRangeError
 
 MOST_IN_TEXT = 1 << 22
-ONE_OR_RANGE = re.compile(r"(-?\d+)(?:\s*-\s*(-?\d+))?")
+ONE_OR_RANGE = re.compile(r"(-?\d{1,20})(?:\s*-\s*(-?\d{1,20}))?")
 
 
 def text_to_ids(text: str, where: str = "labels") -> frozenset[int]:

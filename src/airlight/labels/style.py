@@ -72,11 +72,15 @@ class LabelStyle:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> LabelStyle:
         """Return the style that ``to_dict`` wrote."""
+        if not isinstance(data, Mapping):
+            raise ValueRangeError("label", f"is {data!r}, must be a table", "give colour, opacity and transfer")
         unknown = sorted(set(data) - {"colour", "opacity", "transfer"})
         if unknown:
             raise ValueRangeError("label", f"has unknown entries {unknown}", "use colour, opacity and transfer")
         transfer = data.get("transfer")
-        function = None if transfer is None else TransferFunction.from_dict(transfer)
+        if transfer is not None and not isinstance(transfer, Mapping):
+            raise ValueRangeError("label.transfer", f"is {transfer!r}, must be a table with points")
+        function = None if transfer is None else TransferFunction.from_dict(dict(transfer))
         return cls(data.get("colour"), data.get("opacity", 1.0), function)
 
 

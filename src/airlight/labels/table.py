@@ -25,6 +25,7 @@ def styles_table(labels: Labels, time: int = 0) -> npt.NDArray[np.float32]:
         lines = -(-len(rows) // ROW_WIDTH)
         table = np.zeros((-(-lines // ROW_WIDTH), min(lines, ROW_WIDTH), ROW_WIDTH, 4), dtype=np.float32)
         table.reshape(-1, 4)[: len(rows)] = rows
+        table.flags.writeable = False
         cache[time] = table
     return cache[time]
 

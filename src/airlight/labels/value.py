@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,9 +12,10 @@ from typing import Any
 
 import numpy.typing as npt
 
-from ..errors import ValueRangeError
+from ..errors import DataError, ValueRangeError
 from ..transfer import TransferFunction
 from ..transfer.colour import Colour
+from ..transfer.given import listed
 from ..transfer.kinds import AnyFunction, DrawnFunction
 from ..transfer.regions import ByRegion
 from ..volume import Volume
@@ -90,19 +92,22 @@ class Labels:
         fade: float = 0.005,
         names: Mapping[int, str] | None = None,
     ) -> None:
+        if isinstance(volume, (str, os.PathLike)):
+            raise DataError("labels", f"got the path {str(volume)!r}", "pass airlight.open(path)")
         volume = volume if isinstance(volume, Volume) else Volume(volume)
         check_labels(volume)
         if not isinstance(fade, Real) or not 0 <= fade <= 1:
             raise ValueRangeError("labels.fade", f"is {fade!r}, must lie in [0, 1]")
-        given = {_whole(label): _style(style) for label, style in dict(styles or {}).items()}
+        given = {_whole(label): _style(style) for label, style in _mapping(styles, "styles").items()}
         object.__setattr__(self, "volume", volume)
         object.__setattr__(self, "styles", tuple(sorted(given.items(), key=lambda item: item[0])))
         object.__setattr__(self, "default", LabelStyle() if default is None else _style(default))
         object.__setattr__(self, "background", _whole(background))
-        object.__setattr__(self, "hidden", frozenset(map(_whole, hidden)))
-        object.__setattr__(self, "highlighted", frozenset(map(_whole, highlighted)))
+        object.__setattr__(self, "hidden", _wholes(hidden, "labels.hidden"))
+        object.__setattr__(self, "highlighted", _wholes(highlighted, "labels.highlighted"))
         object.__setattr__(self, "fade", float(fade))
-        object.__setattr__(self, "names", tuple(sorted((_whole(label), str(n)) for label, n in dict(names or {}).items())))
+        named = ((_whole(label), str(name)) for label, name in _mapping(names, "names").items())
+        object.__setattr__(self, "names", tuple(sorted(named)))
 
     # -- what is there
 
@@ -203,19 +208,19 @@ class Labels:
         return replace_labels(self, names=dict(self.names) | dict(names))
 
     def numbers(self, labels: Some) -> frozenset[int]:
-        """Numbers of labels that are given by number or name.
+        """Numbers of labels that are given by number or name; a name stands for all labels that have it.
 
         Raises
         ------
         ValueRangeError
             For names that no label has, and for what is neither.
         """
-        some: Iterable[int | str] = [labels] if isinstance(labels, (str, int, Integral)) else labels
-        return frozenset(self._number(label) for label in some)
+        some = [labels] if isinstance(labels, (str, int, Integral)) else listed(labels, "labels", "give numbers or names")
+        return frozenset().union(*map(self._numbers, some))
 
-    def _number(self, label: int | str) -> int:
+    def _numbers(self, label: int | str) -> frozenset[int]:
         if not isinstance(label, str):
-            return _whole(label)
+            return frozenset({_whole(label)})
         if label not in self._by_name:
             near = difflib.get_close_matches(label, self._by_name, n=3)
             raise ValueRangeError(
@@ -246,6 +251,7 @@ class Labels:
                 given[name] = text_to_ids(given[name], f"labels.{name}")
         for name, read in (("styles", LabelStyle.from_dict), ("names", str)):
             if name in given:
+                _mapping(given[name], name)
                 given[name] = {_whole_text(label): read(value) for label, value in given[name].items()}
         if "default" in given:
             given["default"] = LabelStyle.from_dict(given["default"])
@@ -259,8 +265,11 @@ class Labels:
         return dict(self.styles)
 
     @cached_property
-    def _by_name(self) -> dict[str, int]:
-        return {name: label for label, name in reversed(self.names)}
+    def _by_name(self) -> dict[str, frozenset[int]]:
+        found: dict[str, set[int]] = {}
+        for label, name in self.names:
+            found.setdefault(name, set()).add(label)
+        return {name: frozenset(labels) for name, labels in found.items()}
 
 
 def replace_labels(labels: Labels, **changes: Any) -> Labels:
@@ -268,6 +277,12 @@ def replace_labels(labels: Labels, **changes: Any) -> Labels:
     fields = ("default", "background", "hidden", "highlighted", "fade")
     given = {name: getattr(labels, name) for name in fields} | {"styles": labels.by_label, "names": dict(labels.names)}
     return Labels(labels.volume, **(given | changes))
+
+
+def _mapping(given: Any, name: str) -> Mapping[Any, Any]:
+    if given is not None and not isinstance(given, Mapping):
+        raise ValueRangeError(f"labels.{name}", f"are {given!r}, must be a table", f"give {name} by label")
+    return given or {}
 
 
 def _style(given: LabelStyle | TransferFunction | Colour) -> LabelStyle:
@@ -284,6 +299,10 @@ def _whole(label: Any) -> int:
     if isinstance(label, float) and label.is_integer():
         return int(label)
     raise ValueRangeError("labels", f"got {label!r} for a label, must be a whole number")
+
+
+def _wholes(labels: Any, where: str) -> frozenset[int]:
+    return frozenset(map(_whole, listed(labels, where, "give the labels")))
 
 
 def _whole_text(label: str) -> int:

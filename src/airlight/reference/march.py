@@ -94,7 +94,9 @@ def bent(before: Sample, here: Sample, after: Sample) -> Sample:
     share = np.where(whole > 0, (here.t_world - before.t_world) / np.where(whole > 0, whole, 1.0), 1.0)
     share = share.reshape(-1, *[1] * (here.value.ndim - 1))
     straight = before.value + share * (after.value - before.value)
-    known = (~(before.empty | here.empty | after.empty)).reshape(share.shape)
+    values = (s.value.reshape(len(s.value), -1) for s in (before, here, after))
+    gaps = np.logical_or.reduce([~np.isfinite(v).all(axis=1) for v in values])
+    known = (~(before.empty | here.empty | after.empty | gaps)).reshape(share.shape)
     return replace(here, value=np.where(known, here.value + (here.value - straight) / 6, here.value))
 
 

@@ -31,8 +31,8 @@ from ..shader.program import (
     build_program,
     stage_key,
 )
-from ..stage import ClassifiedGrid, Context, GradientGrid, Grid, LabelCells, Records, Resource, SlabTable, Stage, Table
-from ..stages.field import Field
+from ..stage import ClassifiedGrid, Context, GradientGrid, Grid, LabelCells, Resource, SlabTable, Stage, Table
+from ..stages.field import Field, needed_groups
 from ..stages.field_channels import lines_of
 from ..volume import FloatArray, domain_index
 
@@ -163,7 +163,7 @@ def bound_resources(
         slot, index, name = binding.owner
         if binding.kind == "sampler":
             found[binding.name] = compute.linear_sampler(device)
-        elif binding.kind in ("table", "layers", "records", "grid", "loaded_grid", "gradients", "labels"):
+        elif binding.kind in ("table", "layers", "grid", "loaded_grid", "gradients", "labels"):
             resource = (scene if index is None else layers[index].resources)[slot][name]
             found[binding.name] = _view(device, resource, layers[index or 0], anchor_world, progress)
     return found
@@ -176,8 +176,6 @@ def _view(device: Device, resource: Resource, layer: DrawnLayer, anchor_world: F
         case Table():
             texture = kept_for(device, resource.texels, ("table",), lambda: textures.upload_table(device, resource.texels))
             return texture.create_view()
-        case Records():
-            return kept_for(device, resource.rows, ("records",), lambda: compute.records_buffer(device, resource.rows))
         case SlabTable():
             return _slab_table(device, resource).create_view(dimension="2d-array")
         case LabelCells():
@@ -191,7 +189,9 @@ def _view(device: Device, resource: Resource, layer: DrawnLayer, anchor_world: F
 def _slab_table(device: Device, table: SlabTable) -> Any:
     """Texture of a table; the last few are kept."""
     kept: dict[SlabTable, Any] = device.kept.setdefault(("slab tables",), {})
-    if table not in kept:
+    if table in kept:
+        kept[table] = kept.pop(table)  # the one that was asked for last goes last
+    else:
         while len(kept) >= KEPT_TABLES:
             del kept[next(iter(kept))]
         kept[table] = slab_tables.make_slab_table(device, table)
@@ -210,7 +210,7 @@ def _gradient_texture(
     alone = DrawnLayer(used, context, {slot: stage.resources(context) for slot, stage in used.items()})
     place = ("gradients", *used.values(), context.channels, context.time)
     kept: dict[Any, Any] = kept_for(device, context.volume, place, dict)
-    key = tuple(lines_of(context).items())
+    key = (needed_groups(context), *lines_of(context).items())
     if key not in kept:
         kept.clear()
         kept[key] = _voxel_texture(device, alone, "gradient_grid", "gradients_out", "rgba16float", {}, anchor_world, progress)

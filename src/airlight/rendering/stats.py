@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..stage import ClassifiedGrid, Grid, LabelCells, Records, Resource, SlabTable, Table
+from ..stage import ClassifiedGrid, Grid, LabelCells, Resource, SlabTable, Table
 from .march import MarchFrame, switches_of
 from .resources import grid_texture, label_texture
 
@@ -55,8 +55,6 @@ def _shape(resource: Resource) -> list[int]:
     match resource:
         case Table():
             return list(resource.texels.shape)
-        case Records():
-            return list(resource.rows.shape)
         case SlabTable():
             return [resource.lengths * (2 if resource.weighted else 1), resource.entries, resource.entries, 4]
         case ClassifiedGrid():

@@ -115,7 +115,7 @@ def _labels(table: Table, volume: Callable[[Table], Volume]) -> Labels | None:
     """Labels of a layer: a volume, or a table with a volume and styles."""
     if "labels" not in table.data:
         return None
-    if "volume" not in table.data["labels"] or isinstance(table.data["labels"], str):
+    if not isinstance(table.data["labels"], dict) or "volume" not in table.data["labels"]:
         found = _volume(table, "labels", volume)
         with table.located("labels"):
             return Labels(found)

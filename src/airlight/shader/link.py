@@ -160,8 +160,10 @@ def _declared_name(code: list[Token], at: int) -> Token | None:
 def _tokens(text: str) -> Iterator[Token]:
     line = 1
     for match in _TOKEN.finditer(text):
-        yield Token(match.lastgroup or "mark", match[0], line)
-        line += match[0].count("\n")
+        kind, piece = match.lastgroup or "mark", match[0]
+        yield Token(kind, piece, line)
+        if kind in ("space", "comment"):
+            line += piece.count("\n")
 
 
 def _take_imports(source: Source) -> tuple[str, tuple[Import, ...]]:

@@ -25,7 +25,6 @@ from ..stage import (
     LabelCells,
     Mat3f,
     Mat4f,
-    Records,
     Resource,
     SlabTable,
     Stage,
@@ -123,7 +122,7 @@ EXTRA_UNIFORMS: dict[str, type] = {
     "slab_table": SlabTableUniforms,
 }
 
-SPACES = {"uniform": "<uniform>", "lights": "<storage, read>", "records": "<storage, read>", "buffer": "<storage, read_write>"}
+SPACES = {"uniform": "<uniform>", "lights": "<storage, read>", "buffer": "<storage, read_write>"}
 
 # What passes write and read, by name: WGSL type, and format for storage textures.
 PASS_RESOURCES: dict[str, str] = {
@@ -238,15 +237,13 @@ def _kind(resource: Resource) -> str:
             return "table"
         case SlabTable():
             return "layers"
-        case Records():
-            return "records"
         case Grid():
             return "grid" if resource.filtered else "loaded_grid"
         case GradientGrid():
             return "gradients"
         case LabelCells():
             return "labels"
-    known = "use Table, Records, SlabTable, Grid, GradientGrid or ClassifiedGrid"
+    known = "use Table, SlabTable, Grid, GradientGrid, ClassifiedGrid or LabelCells"
     raise StageError("a stage", f"asks for a {type(resource).__name__}", known)
 
 
@@ -344,11 +341,8 @@ class _Builder:
         return [(f"{slot}{suffix}", class_struct(cls, f"{slot.title()}{cls.__name__}"), "")]
 
     def resource(self, slot: str, layer: int | None, name: str, kind: str, full: str) -> None:
-        group = 2 if kind in ("table", "layers", "records") else 1
+        group = 2 if kind in ("table", "layers") else 1
         owner = (slot, layer, name)
-        if kind == "records":
-            self.names[slot, layer, name] = self.bind(group, full, "array<vec4f>", kind, owner)
-            return
         if kind == "labels":
             self.names[slot, layer, name] = self.bind(group, full, "texture_3d<u32>", kind, owner)
             return

@@ -12,11 +12,8 @@ from . import (
     modulation,
     region,
     shade,
-    surfaces,
     tone,
     transfer,
-    transfer_channels,
-    transfer_joint,
     visibility,
 )
 
@@ -30,10 +27,7 @@ __all__ = [
     "modulation",
     "region",
     "shade",
-    "surfaces",
     "tone",
     "transfer",
-    "transfer_channels",
-    "transfer_joint",
     "visibility",
 ]

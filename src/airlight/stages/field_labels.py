@@ -49,4 +49,4 @@ class Occupancy(Field):
 
 def are_alone(labels: Labels | None, volume: Volume) -> bool:
     """Whether a layer's labels have no image: its volume is that of the labels."""
-    return labels is not None and labels.volume is volume
+    return labels is not None and (labels.volume is volume or labels.volume == volume)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..errors import StageError
 from ..stage import F32, Context, Stage, param, register
+from ..transfer import Channels
 from .field_channels import scalar_range
 
 SHARE_OF_RANGE = 0.1
@@ -50,6 +52,9 @@ class ByChange(Modulation):
 
     def uniforms(self, context: Context) -> ModulationUniforms:
         """Return the change that counts in full."""
+        if isinstance(context.transfer, Channels) and self.uses_values:
+            found = "looks at one value along the ray, and a mixture has several"
+            raise StageError(f"look.modulation {self.name!r}", found, "use gradient_magnitude, or draw one channel")
         if self.full_at is not None:
             return ModulationUniforms(self.full_at)
         rise = scalar_range(context, "minimum", "maximum")

@@ -13,7 +13,6 @@ from ..transfer import TransferFunction
 from ..transfer.kinds import DrawnFunction
 from ..transfer.regions import ByRegion
 from .field_labels import Occupancy, are_alone
-from .transfer_regions import OfRegions
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +91,7 @@ def for_labels(labels: Labels | None, function: DrawnFunction, chosen: Mapping[s
     integrate, transfer = chosen["integrate"], chosen["transfer"]
     if isinstance(function, ByRegion) and isinstance(chosen["field"], Occupancy):
         raise StageError("labels.styles", "have transfer functions, and the layer has no image", "use colours")
-    if isinstance(function, ByRegion) and not isinstance(transfer, OfRegions):
+    if isinstance(function, ByRegion) and not getattr(transfer, "of_regions", False):
         remedy = "use linear or nearest, or leave these functions out"
         raise StageError(
             f"look.field {chosen['field'].name!r}", "cannot draw labels with transfer functions of their own", remedy

@@ -22,7 +22,7 @@ from ..transfer.crossings import (
 from ..transfer.runs import iso_values, medium_of
 from ..transfer.surfaces import holds_medium
 from ..volume import statistics
-from .transfer import STAND_INS, FastPreIntegrated, FunctionUniforms, PreIntegrated, Transfer
+from .transfer import FastPreIntegrated, FunctionUniforms, PreIntegrated, Transfer
 
 ROUNDING = 2.0**-21  # of the greatest value: what 32-bit samples are uncertain by, and a little more
 
@@ -116,7 +116,7 @@ class PreIntegratedSurfaces(WithSurfaces, PreIntegrated):
         return super().table(replace(context, transfer=medium_of(context.transfer)))
 
 
-def with_surfaces(stage: Transfer, function: TransferFunction) -> Transfer:
+def stand_in(stage: Transfer, function: TransferFunction) -> Transfer:
     """Return the stage that draws a function with surfaces in the way of another.
 
     Raises
@@ -133,6 +133,3 @@ def with_surfaces(stage: Transfer, function: TransferFunction) -> Transfer:
     raise StageError(
         f"look.transfer {stage.name!r}", "draws no surfaces of equal value", "use preintegrated or preintegrated_fast"
     )
-
-
-STAND_INS[TransferFunction] = with_surfaces

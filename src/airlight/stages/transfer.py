@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..errors import StageError
 from ..stage import F32, U32, Context, Mat4f, Resource, SlabTable, Stage, Table, Vec4f, param, register, static
-from ..transfer import TransferFunction
+from ..transfer import Channels, JointFunction, TransferFunction
 from ..transfer.cells import end_media, even_cells, function_texels, has_stepped_ends, integral_to, two_parts, value_axis
 from ..transfer.kinds import DrawnFunction
+from ..transfer.regions import ByRegion
 from ..transfer.tables import check_table, colour_error, entries_needed
 from ..volume import FloatArray
 
 Vec4 = tuple[float, float, float, float]
 
-STAND_INS: dict[type, Callable[[Transfer, Any], Transfer]] = {}
-"""For each kind of function but the plain one of one value: which stage draws it in the way of another."""
+STAND_INS: dict[type, str] = {
+    TransferFunction: "surfaces",
+    JointFunction: "transfer_joint",
+    Channels: "transfer_channels",
+    ByRegion: "transfer_regions",
+}
+"""For each kind of function but the plain one of one value: the module here whose ``stand_in(stage, function)`` gives the stage
+that draws it in the way of another. They are imported when they are first needed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +62,8 @@ class Transfer(Stage):
             return self
         if type(function) not in STAND_INS:
             raise StageError(f"look.transfer {self.name!r}", f"cannot draw a {type(function).__name__}")
-        return STAND_INS[type(function)](self, function)
+        stage: Transfer = import_module(f".{STAND_INS[type(function)]}", __package__).stand_in(self, function)
+        return stage
 
     def uses_gradient(self, function: DrawnFunction) -> bool:
         """Whether classification asks the look's gradient stage, which is left out otherwise where nothing is lit."""

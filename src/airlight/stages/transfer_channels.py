@@ -17,7 +17,7 @@ from ..transfer.function import TransferFunction
 from ..transfer.regions import ByRegion
 from ..volume import FloatArray
 from .field_channels import by_group, lanes_of
-from .transfer import STAND_INS, Transfer, is_empty_beyond
+from .transfer import Transfer, is_empty_beyond
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,12 +142,10 @@ def _two_widest(function: TransferFunction) -> tuple[float, float, float, float]
     return a, b, c, d
 
 
-def _stand_in(stage: Transfer, function: Channels) -> Transfer:
+def stand_in(stage: Transfer, function: Channels) -> Transfer:
+    """Return the stage that draws such a function in the way of another."""
     if stage.name == "postclassified":
         return PostClassifiedChannels()
     if stage.name in ("preintegrated", "preintegrated_fast"):
         return PreIntegratedChannels()
     raise StageError(f"look.transfer {stage.name!r}", "draws one channel at a time", "use preintegrated or postclassified")
-
-
-STAND_INS[Channels] = _stand_in

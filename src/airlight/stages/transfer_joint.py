@@ -14,7 +14,7 @@ from ..stage import U32, Context, Resource, Table, Vec3f, Vec3u, Vec4f, param
 from ..transfer.channels import MOST_CHANNELS
 from ..transfer.joint import TABLE_ENTRIES, JointFunction
 from ..transfer.kinds import DrawnFunction
-from .transfer import STAND_INS, Transfer, four_widest
+from .transfer import Transfer, four_widest
 
 GRADIENT, SECOND = MOST_CHANNELS, MOST_CHANNELS + 1
 SAMPLES = 32
@@ -110,12 +110,12 @@ def interpolation_error(function: JointFunction, entries: int) -> float:
     extinction = function.table(entries)[..., 3].astype(np.float64)
     count = len(function.axes)
     extinction = extinction.reshape((entries,) * count)
-    every = tuple(slice(None, None, max(1, entries // MOST_LOOKED_AT[count])) for _ in range(count))
-    middle = np.zeros(tuple(entries - 1 for _ in range(count)))
+    every = max(1, entries // MOST_LOOKED_AT[count])
+    first = np.arange(0, entries - 1, every)
+    middle = np.zeros((len(first),) * count)
     for corner in np.ndindex(*(2,) * count):
-        middle += extinction[tuple(slice(c, entries - 1 + c) for c in corner)] / 2**count
-    middle = middle[every]
-    places = np.meshgrid(*[(np.arange(entries - 1)[e] + 0.5) / (entries - 1) for e in every], indexing="ij")
+        middle += extinction[tuple(slice(c, entries - 1 + c, every) for c in corner)] / 2**count
+    places = np.meshgrid(*[(first + 0.5) / (entries - 1)] * count, indexing="ij")
     # The first variable runs along the last axis of the table.
     coordinates = np.stack([a.low + p * a.span for a, p in zip(function.axes, reversed(places), strict=True)], axis=-1)
     greatest = extinction.max()
@@ -131,8 +131,8 @@ def _number(variable: str | int, context: Context) -> int:
     return 0 if variable == "value" else context.channels.index(context.volume.channel_index(variable))
 
 
-def _stand_in(stage: Transfer, function: JointFunction) -> Transfer:
+def stand_in(stage: Transfer, function: JointFunction) -> Transfer:
+    """Return the stage that draws such a function in the way of another."""
+    if stage.name not in ("postclassified", "preintegrated", "preintegrated_fast", "joint"):
+        raise StageError(f"look.transfer {stage.name!r}", "draws functions of one value", "use preintegrated or postclassified")
     return Joint(0 if stage.name == "postclassified" else SAMPLES, getattr(stage, "entries", 0))
-
-
-STAND_INS[JointFunction] = _stand_in

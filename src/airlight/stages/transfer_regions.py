@@ -11,7 +11,7 @@ from ..stage import U32, Context, Mat4f, Resource, Table, Vec4f, param
 from ..transfer.cells import all_even, even_cells, has_stepped_ends, stacked_texels, value_axis
 from ..transfer.regions import ByRegion
 from .field_channels import by_group
-from .transfer import STAND_INS, Transfer, four_widest, is_empty_beyond
+from .transfer import Transfer, four_widest, is_empty_beyond
 from .transfer_channels import evenness_error
 
 
@@ -30,6 +30,8 @@ class RegionFunctionsUniforms:
 
 class OfRegions(Transfer):
     """Base of the stages for functions of regions: the media of the eight labels round a place, by their weights."""
+
+    of_regions: ClassVar[bool] = True
 
     uniform_type: ClassVar[type | None] = RegionFunctionsUniforms
 
@@ -88,7 +90,8 @@ class PreIntegratedRegions(OfRegions):
         return {"colour of a slab, its medium spread evenly": max(evenness_error(one, context.step_world) for one in alone)}
 
 
-def _stand_in(stage: Transfer, function: ByRegion) -> Transfer:
+def stand_in(stage: Transfer, function: ByRegion) -> Transfer:
+    """Return the stage that draws such a function in the way of another."""
     if stage.name == "postclassified":
         return PostClassifiedRegions()
     if stage.name in ("preintegrated", "preintegrated_fast"):
@@ -96,6 +99,3 @@ def _stand_in(stage: Transfer, function: ByRegion) -> Transfer:
     raise StageError(
         f"look.transfer {stage.name!r}", "draws one function", "use preintegrated or postclassified for own ones of labels"
     )
-
-
-STAND_INS[ByRegion] = _stand_in

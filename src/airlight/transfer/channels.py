@@ -13,6 +13,8 @@ import numpy as np
 from ..errors import ValueRangeError
 from ..volume import Volume
 from .function import TransferFunction
+from .given import listed
+from .joint_axes import set_fields
 
 MOST_CHANNELS = 16
 ENDLESS = float(np.finfo(np.float32).max)
@@ -42,16 +44,19 @@ class Channel:
     def __post_init__(self) -> None:
         """Check the values."""
         where = f"transfer.channel {self.channel!r}"
-        if not isinstance(self.channel, (int, str)) or isinstance(self.channel, bool):
+        if not isinstance(self.channel, (numbers.Integral, str)) or isinstance(self.channel, bool):
             raise ValueRangeError("transfer.channel", f"is {self.channel!r}, must be a number or a name")
         if not isinstance(self.transfer, TransferFunction):
             raise ValueRangeError(where, f"has a {type(self.transfer).__name__}", "give it a TransferFunction")
         if self.transfer.surfaces:
             raise ValueRangeError(where, "has surfaces of equal value", "they are drawn of one channel, without a mixture")
-        if not isinstance(self.visible, bool):
+        if not isinstance(self.visible, (bool, np.bool_)):
             raise ValueRangeError(where, f"has visible {self.visible!r}, must be true or false")
-        if not isinstance(self.density, numbers.Real) or not (math.isfinite(self.density) and self.density >= 0):
+        is_number = isinstance(self.density, numbers.Real) and not isinstance(self.density, bool)
+        if not (is_number and math.isfinite(self.density) and self.density >= 0):
             raise ValueRangeError(where, f"has density {self.density!r}, must be a finite number of at least 0")
+        channel = self.channel if isinstance(self.channel, str) else int(self.channel)
+        set_fields(self, channel=channel, visible=bool(self.visible), density=float(self.density))
 
 
 @dataclass(frozen=True)
@@ -118,7 +123,7 @@ class Channels:
     def __init__(self, parts: Iterable[Channel] | Mapping[int | str, TransferFunction]) -> None:
         if isinstance(parts, Mapping):
             parts = [Channel(channel, transfer) for channel, transfer in parts.items()]
-        found = tuple(parts)
+        found = listed(parts, "transfer.channels", "give Channel(number or name, transfer) of each")
         if not all(isinstance(part, Channel) for part in found):
             raise ValueRangeError("transfer.channels", f"holds {found!r}", "give Channel(number or name, transfer)")
         if not 1 <= len(found) <= MOST_CHANNELS:
@@ -183,6 +188,8 @@ class Channels:
         ValueRangeError
             For entries that are unknown, missing or not legal; it names them.
         """
+        if unknown := sorted(set(data) - {"channels"}):
+            raise ValueRangeError("transfer", f"has unknown entries {unknown}", "use channels")
         parts, entries = [], data.get("channels")
         if not isinstance(entries, (list, tuple)) or not all(isinstance(entry, Mapping) for entry in entries):
             raise ValueRangeError("transfer.channels", f"is {entries!r}", "write a list of tables with channel and transfer")

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import ValueRangeError
 from .colour import linear_to_srgb, srgb_to_linear
+from .given import rising_range
 from .polyline import FloatArray, Track, crossed, densified, stepped, thinned
 
 if TYPE_CHECKING:
@@ -64,9 +65,7 @@ def from_colormap(
     >>> tf.domain
     (0.0, 255.0)
     """
-    low, high = (float(v) for v in value_range)
-    if not (np.isfinite([low, high]).all() and low < high):
-        raise ValueRangeError("transfer.colormap", f"runs from {low:g} to {high:g}", "give a finite range that rises")
+    low, high = rising_range(value_range, "transfer.colormap")
     shares, rgb = _mirrored(colours_of(name)) if reversed else colours_of(name)
     values = low + shares * (high - low)
     values[shares == 1] = high

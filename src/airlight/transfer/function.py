@@ -14,6 +14,7 @@ from ..errors import ValueRangeError
 from . import colormaps, combine, conversions, opacity, saving, shapes
 from . import surfaces as sheets
 from .colour import Colour, linear_rgb
+from .given import density_factor, flag, listed
 from .surfaces import Surface, checked_surfaces
 
 FloatArray = npt.NDArray[np.float64]
@@ -58,23 +59,23 @@ class TransferFunction:
         surfaces: Iterable[Surface] = (),
     ) -> None:
         object.__setattr__(self, "points", _checked(points))
-        object.__setattr__(self, "associated", bool(associated))
+        object.__setattr__(self, "associated", flag(associated, "transfer.associated"))
         object.__setattr__(self, "surfaces", checked_surfaces(surfaces))
 
     @cached_property
     def values(self) -> FloatArray:
         """Values (n,) of the control points."""
-        return np.array([p[0] for p in self.points])
+        return _read_only(np.array([p[0] for p in self.points]))
 
     @cached_property
     def colours(self) -> FloatArray:
         """Linear colours (n, 3) of the control points."""
-        return np.array([p[1] for p in self.points])
+        return _read_only(np.array([p[1] for p in self.points]))
 
     @cached_property
     def extinctions(self) -> FloatArray:
         """Extinctions (n,) of the control points, per world unit."""
-        return np.array([p[2] for p in self.points])
+        return _read_only(np.array([p[2] for p in self.points]))
 
     @property
     def domain(self) -> tuple[float, float]:
@@ -139,8 +140,7 @@ class TransferFunction:
 
         So are the optical thicknesses of surfaces: their opacities become ``1 - (1 - opacity)**density``.
         """
-        if not (np.isfinite(density) and density >= 0):
-            raise ValueRangeError("density", f"is {density}, must be at least 0")
+        density = density_factor(density)
         tint = density if self.associated else 1.0
         points = [(v, tuple(tint * c for c in rgb), density * e) for v, rgb, e in self.points]
         return replace_points(self, points, (surface.scaled(density) for surface in self.surfaces))
@@ -281,7 +281,7 @@ def replace_points(
 
 def _checked(points: Iterable[tuple[float, Colour, float]]) -> tuple[Point, ...]:
     checked: list[Point] = []
-    for number, point in enumerate(points):
+    for number, point in enumerate(listed(points, "transfer.points", "give (value, colour, extinction) of each")):
         where = f"transfer.points[{number}]"
         if not isinstance(point, (tuple, list)) or len(point) != 3:
             raise ValueRangeError(where, f"is {point!r}", "give (value, colour, extinction)")
@@ -296,6 +296,11 @@ def _checked(points: Iterable[tuple[float, Colour, float]]) -> tuple[Point, ...]
     if not checked:
         raise ValueRangeError("transfer.points", "is empty", "give at least one (value, colour, extinction)")
     return tuple(checked)
+
+
+def _read_only(array: FloatArray) -> FloatArray:
+    array.flags.writeable = False
+    return array
 
 
 def _number(given: Any, where: str, what: str) -> float:

@@ -6,7 +6,8 @@ import dataclasses
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from numbers import Integral
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,8 +15,11 @@ import numpy.typing as npt
 from ..errors import ValueRangeError
 from . import joint_saving, saving
 from .function import FloatArray
+from .given import density_factor, flag, listed
 from .joint_axes import Axis, Ramp, check_axes
-from .joint_shapes import Shape, shape_from_dict
+
+if TYPE_CHECKING:
+    from .joint_shapes import Shape
 
 TABLE_ENTRIES = {2: 256, 3: 64}
 MOST_ENTRIES = {2: 2048, 3: 256}
@@ -58,12 +62,14 @@ class JointFunction:
 
     def __init__(self, axes: Iterable[Axis], shapes: Iterable[Shape] = (), associated: bool = False) -> None:
         object.__setattr__(self, "axes", check_axes(axes))
-        object.__setattr__(self, "shapes", tuple(shapes))
-        object.__setattr__(self, "associated", bool(associated))
+        object.__setattr__(self, "shapes", listed(shapes, "transfer.shapes", "pass [Box(...), ...]"))
+        object.__setattr__(self, "associated", flag(associated, "transfer.associated"))
         for number, shape in enumerate(self.shapes):
             self._check(shape, f"transfer.shapes[{number}]")
 
     def _check(self, shape: Shape, where: str) -> None:
+        from .joint_shapes import Shape  # here: four classes that most programs do without
+
         if not isinstance(shape, Shape):
             raise ValueRangeError(where, f"is a {type(shape).__name__}", "pass a Box, Triangle, Ellipse or Polygon")
         where = f"{where} ({shape.kind})"
@@ -134,9 +140,9 @@ class JointFunction:
         """
         k = len(self.axes)
         n = TABLE_ENTRIES[k] if entries is None else entries
-        if not 2 <= n <= MOST_ENTRIES[k]:
+        if not (isinstance(n, Integral) and 2 <= n <= MOST_ENTRIES[k]):
             raise ValueRangeError("entries", f"is {n}, must lie in [2, {MOST_ENTRIES[k]}] for {k} variables")
-        return _table(self, n)
+        return _table(self, int(n))
 
     @property
     def empty_values(self) -> tuple[tuple[float, float], ...]:
@@ -170,10 +176,9 @@ class JointFunction:
 
     def scaled(self, density: float) -> JointFunction:
         """Return the function with extinctions (and associated colours) multiplied by ``density``."""
-        if not (np.isfinite(density) and density >= 0):
-            raise ValueRangeError("density", f"is {density}, must be at least 0")
-        tint = float(density) if self.associated else 1.0
-        return JointFunction(self.axes, [_scaled(shape, float(density), tint) for shape in self.shapes], self.associated)
+        density = density_factor(density)
+        tint = density if self.associated else 1.0
+        return JointFunction(self.axes, [_scaled(shape, density, tint) for shape in self.shapes], self.associated)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, as scene files keep it."""
@@ -193,8 +198,11 @@ class JointFunction:
         unknown = sorted(set(data) - {"axes", "shapes", "associated"})
         if unknown:
             raise ValueRangeError("transfer", f"has unknown entries {unknown}", "use axes, shapes and associated")
-        axes = [_made(_axis_from_dict, a, f"transfer.axes[{i}]") for i, a in enumerate(data.get("axes", ()))]
-        shapes = [_made(shape_from_dict, s, f"transfer.shapes[{i}]") for i, s in enumerate(data.get("shapes", ()))]
+        given = {name: listed(data.get(name, ()), f"transfer.{name}", "write a list of tables") for name in ("axes", "shapes")}
+        axes = [_made(_axis_from_dict, a, f"transfer.axes[{i}]") for i, a in enumerate(given["axes"])]
+        from .joint_shapes import shape_from_dict
+
+        shapes = [_made(shape_from_dict, s, f"transfer.shapes[{i}]") for i, s in enumerate(given["shapes"])]
         return cls(axes, shapes, associated=data.get("associated", False))
 
     # Files and Python text, each in the module of its kind.

@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import ValueRangeError
 from .colour import Colour, linear_rgb
 from .function import FloatArray
+from .given import listed
 
 VARIABLES = ("value", "gradient", "second")
 
@@ -75,7 +76,7 @@ class Ramp:
         if isinstance(self.axis, bool) or self.axis not in (0, 1, 2):
             raise ValueRangeError("ramp.axis", f"is {self.axis!r}, must be 0, 1 or 2")
         points: list[tuple[float, Colour]] = []
-        for i, point in enumerate(self.points):
+        for i, point in enumerate(listed(self.points, "ramp.points", "give (coordinate, colour) of each")):
             where = f"ramp.points[{i}]"
             if not isinstance(point, (tuple, list)) or len(point) != 2:
                 raise ValueRangeError(where, f"is {point!r}", "give (coordinate, colour)")
@@ -115,7 +116,7 @@ def check_axes(axes: Iterable[Axis]) -> tuple[Axis, ...]:
     ValueRangeError
         Where they are not.
     """
-    checked = tuple(axes)
+    checked = listed(axes, "transfer.axes", "pass two or three Axis(variable, low, high)")
     for number, axis in enumerate(checked):
         if not isinstance(axis, Axis):
             raise ValueRangeError(f"transfer.axes[{number}]", f"is {axis!r}", "pass an Axis(variable, low, high)")

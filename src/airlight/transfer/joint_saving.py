@@ -87,4 +87,6 @@ def _text(value: Any) -> str:
         return f"{{ {', '.join(f'{name} = {_text(part)}' for name, part in value.items())} }}"
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(_text(part) for part in value)}]"
-    return json.dumps(value) if isinstance(value, str) else repr(value)
+    if isinstance(value, str):  # as in JSON, whose pairs of escapes TOML does not have
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(value)

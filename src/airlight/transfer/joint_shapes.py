@@ -19,6 +19,7 @@ import numpy.typing as npt
 from ..errors import ValueRangeError
 from .colour import Colour, linear_rgb
 from .function import FloatArray
+from .given import listed
 from .joint_axes import Ramp, finite_number, finite_numbers, set_fields
 
 GAUSS_AT_RADIUS = float(np.exp(-4.5))
@@ -326,7 +327,8 @@ class Polygon(Shape):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        vertices = tuple(finite_numbers(v, f"polygon.vertices[{i}]", (2,)) for i, v in enumerate(self.vertices))
+        given = listed(self.vertices, "polygon.vertices", "give three or more (first, second)")
+        vertices = tuple(finite_numbers(v, f"polygon.vertices[{i}]", (2,)) for i, v in enumerate(given))
         if len(vertices) < 3 or not np.ptp(np.array(vertices), axis=0).all():
             raise ValueRangeError("polygon.vertices", f"are {vertices}", "give three or more, not on one line along an axis")
         set_fields(self, vertices=vertices, edge=self._share("edge"), third=self._interval("third"))

@@ -39,6 +39,6 @@ def drawn_function(function: AnyFunction, density: float = 1.0) -> AnyFunction:
 
 def as_function(given: Any) -> Any:
     """Return a sequence of functions as a mixture of the first channels, and all else as it is."""
-    if isinstance(given, (tuple, list)) and all(isinstance(f, TransferFunction) for f in given):
+    if isinstance(given, (tuple, list)):
         return Channels([Channel(number, function) for number, function in enumerate(given)])
     return given

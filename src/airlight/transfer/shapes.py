@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import ValueRangeError
 from .colour import Colour, linear_rgb
+from .given import finite, rising_range, whole
 from .polyline import points, sides, thinned, track, union, woven
 
 if TYPE_CHECKING:
@@ -197,10 +198,9 @@ def random(
     ValueRangeError
         When a parameter is out of range, or ``base`` is an associated function.
     """
-    low, high, extinction = _finite("random", low=value_range[0], high=value_range[1], extinction=extinction)
-    _ordered("random", low, high)
-    if not 2 <= entries <= 65536:
-        raise ValueRangeError("transfer.random.entries", f"is {entries}, must lie in [2, 65536]")
+    low, high = rising_range(value_range, "transfer.random.value_range")
+    (extinction,) = _finite("random", extinction=extinction)
+    seed, entries = whole(seed, "transfer.random.seed", 0), whole(entries, "transfer.random.entries", 2, 65536)
     if not channels or set(channels) - set(CHANNELS):
         raise ValueRangeError("transfer.random.channels", f"is {channels!r}, must be letters of {CHANNELS}")
     if base is not None and base.associated:
@@ -217,9 +217,7 @@ def random(
 
 def _finite(shape: str, **numbers: float) -> list[float]:
     for name, number in numbers.items():
-        if not np.isfinite(number):
-            raise ValueRangeError(f"transfer.{shape}.{name}", f"is {number}, must be finite")
-        if name == "extinction" and number < 0:
+        if finite(number, f"transfer.{shape}.{name}") < 0 and name == "extinction":
             raise ValueRangeError(f"transfer.{shape}.{name}", f"is {number:g}, must be at least 0")
     return [float(number) for number in numbers.values()]
 

@@ -16,11 +16,13 @@ import numpy as np
 
 from ..errors import ValueRangeError
 from .colour import Colour, linear_rgb
+from .given import finite, listed, rising_range, whole
 
 if TYPE_CHECKING:
     from .function import TransferFunction
 
 MOST_SURFACES = 1024
+HOW_GIVEN = "give a Surface, or (value, colour, opacity)"
 Side = tuple[tuple[float, float, float], float]
 
 
@@ -58,7 +60,7 @@ class Surface:
             given = getattr(self, name)
             if given is None and name == "back_opacity":
                 continue
-            number = _number(given, f"{where}.{name}")
+            number = finite(given, f"{where}.{name}")
             if name != "value" and not 0 <= number <= 1:
                 raise ValueRangeError(f"{where}.{name}", f"is {given}, must lie in [0, 1]")
             object.__setattr__(self, name, number)
@@ -101,7 +103,10 @@ def checked_surfaces(given: Iterable[Any]) -> tuple[Surface, ...]:
     ValueRangeError
         Names what is none, a value that comes twice, or a number of surfaces that no table holds.
     """
-    found = [_surface(part, f"transfer.surfaces[{number}]") for number, part in enumerate(given)]
+    found = [
+        _surface(part, f"transfer.surfaces[{number}]")
+        for number, part in enumerate(listed(given, "transfer.surfaces", HOW_GIVEN))
+    ]
     if len(found) > MOST_SURFACES:
         remedy = "a function of narrow peaks (TransferFunction.random) draws more"
         raise ValueRangeError("transfer.surfaces", f"are {len(found)}, must be at most {MOST_SURFACES}", remedy)
@@ -127,17 +132,7 @@ def _surface(given: Any, where: str) -> Surface:
                 return Surface(*given)
     except ValueRangeError as error:
         raise ValueRangeError(where + error.where.removeprefix("transfer.surface"), error.what, error.remedy) from None
-    raise ValueRangeError(where, f"is {given!r}", "give a Surface, or (value, colour, opacity)")
-
-
-def _number(given: Any, where: str) -> float:
-    try:
-        number = float("nan") if isinstance(given, (str, bytes, bool)) else float(given)
-    except (TypeError, ValueError, OverflowError):
-        number = float("nan")
-    if not np.isfinite(number):
-        raise ValueRangeError(where, f"is {given!r}, must be a finite number")
-    return number
+    raise ValueRangeError(where, f"is {given!r}", HOW_GIVEN)
 
 
 # -- functions with surfaces; each a method of TransferFunction
@@ -162,7 +157,7 @@ def with_surfaces(function: TransferFunction, surfaces: Iterable[Any]) -> Transf
     >>> fog = al.TransferFunction([(0, "white", 0.0), (100, "white", 0.01)])
     >>> with_skin = fog.with_surfaces([al.Surface(60, "salmon", 0.4, back_colour="maroon")])
     """
-    return replace(function, surfaces=tuple(surfaces))
+    return replace(function, surfaces=checked_surfaces(surfaces))
 
 
 def from_surfaces(cls: type[TransferFunction], surfaces: Iterable[Any]) -> TransferFunction:
@@ -216,11 +211,9 @@ def random_surfaces(
     ValueRangeError
         When the range does not rise, or another parameter is out of range.
     """
-    low, high = (_number(v, "transfer.random_surfaces.value_range") for v in value_range)
-    if high <= low:
-        raise ValueRangeError("transfer.random_surfaces.value_range", f"runs from {low:g} to {high:g}", "give one that rises")
-    if not 1 <= count <= MOST_SURFACES:
-        raise ValueRangeError("transfer.random_surfaces.count", f"is {count}, must lie in [1, {MOST_SURFACES}]")
+    low, high = rising_range(value_range, "transfer.random_surfaces.value_range")
+    count = whole(count, "transfer.random_surfaces.count", 1, MOST_SURFACES)
+    seed = whole(seed, "transfer.random_surfaces.seed", 0)
     values = np.linspace(low, high, count + 2)[1:-1].tolist()
     colours = np.random.default_rng(seed).random((count, 3)).tolist()
     return from_surfaces(cls, [Surface(v, c, opacity) for v, c in zip(values, colours, strict=True)])

@@ -3,10 +3,10 @@
 
 import generated::sizes::{HAS_EMPTY, Values};
 import package::sample::Sample;
-import slot::values::{is_gap, mix_values};
+import slot::values::{has_gap, mix_values};
 
 fn curved_value(before: Sample, here: Sample, after: Sample) -> Values {
-  if (HAS_EMPTY && (is_gap(before.value) || is_gap(here.value) || is_gap(after.value))) { return here.value; }
+  if (HAS_EMPTY && (has_gap(before.value) || has_gap(here.value) || has_gap(after.value))) { return here.value; }
   let share = (here.t_world - before.t_world) / max(after.t_world - before.t_world, 1e-30);
   let straight = mix_values(before.value, after.value, share);
   return mix_values(straight, here.value, 7.0 / 6.0);

@@ -1,7 +1,7 @@
 // A slab along which the value runs straight from one end to the other: what the function's integral says of it.
 
 import generated::transfer::OPEN_ENDS;
-import package::optics::{make_slab, over};
+import package::optics::{make_slab, over, placed};
 import package::sample::Slab;
 import package::transfer::cells::{Axis, Reached, reach_on};
 
@@ -16,9 +16,9 @@ fn mean_between(front: Reached, back: Reached, per_value: f32) -> vec4f {
 
 // Beyond its ends the function is constant: how much of a slab's length lies before, within and behind its axis.
 fn lengths_of(s_front: f32, front: Reached, s_back: f32, back: Reached, length: f32) -> vec3f {
-  let per_value = select(0.0, length / abs(s_back - s_front), front.value != back.value);
-  let before = abs(front.value - s_front) * per_value;
-  let after = abs(s_back - back.value) * per_value;
+  let per_value = select(0.0, length / abs(s_back - s_front), s_front != s_back);
+  let before = min(abs(front.value - s_front) * per_value, length);
+  let after = min(abs(s_back - back.value) * per_value, length - before);
   return vec3f(before, max(length - before - after, 0.0), after);
 }
 
@@ -27,7 +27,10 @@ fn homogeneous(medium: vec4f, length: f32) -> Slab { return make_slab(medium.rgb
 // The slab within the axis between those beyond its ends, which mostly hold nothing.
 fn with_ends(front: Reached, inside: Slab, back: Reached, lengths: vec3f) -> Slab {
   if (!OPEN_ENDS) { return inside; }
-  return over(homogeneous(front.here, lengths.x), over(inside, homogeneous(back.here, lengths.z)));
+  let ends = vec2f(lengths.x, lengths.x + lengths.y) / max(lengths.x + lengths.y + lengths.z, 1e-30);
+  let before = placed(homogeneous(front.here, lengths.x), 0.0, ends.x);
+  let after = placed(homogeneous(back.here, lengths.z), ends.y, 1.0);
+  return over(before, over(placed(inside, ends.x, ends.y), after));
 }
 
 // Mean source and extinction [1/world] of one function, of what lies beyond its ends, too.

@@ -11,4 +11,7 @@ fn scalar_of(value: Values) -> f32 { return value; }
 // Whether the sample holds nothing.
 fn is_gap(value: Values) -> bool { return is_empty(value); }
 
+// Whether any channel of the sample holds nothing.
+fn has_gap(value: Values) -> bool { return is_empty(value); }
+
 fn channel_of(value: Values, channel: u32) -> f32 { return value; }

@@ -19,4 +19,11 @@ fn is_gap(value: Values) -> bool {
   return all(gaps);
 }
 
+// Whether any channel of the sample holds nothing.
+fn has_gap(value: Values) -> bool {
+  var gaps = vec4<bool>(false);
+  for (var group = 0u; group < GROUPS; group++) { gaps |= value[group] <= vec4f(EMPTY); }
+  return any(gaps);
+}
+
 fn channel_of(value: Values, channel: u32) -> f32 { return value[channel / 4u][channel % 4u]; }
