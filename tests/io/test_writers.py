@@ -53,6 +53,12 @@ def test_nrrd_keeps_everything(folder: Path, volume: Volume) -> None:
     assert {t: getattr(again, t) for t in TRAITS} == {t: getattr(volume, t) for t in TRAITS}
 
 
+def test_channels_of_a_narrow_nifti_are_no_colours(folder: Path) -> None:
+    array = np.arange(4 * 4 * 5 * 3, dtype=np.uint8).reshape(1, 4, 4, 5, 3)
+    io.save(Volume(array), folder / "narrow.nii")
+    assert np.array_equal(io.open(folder / "narrow.nii").array.reshape(array.shape), array)
+
+
 @settings(max_examples=150, deadline=None)
 @given(volume=volumes(), suffix=st.sampled_from([".nii", ".nii.gz"]))
 def test_nifti_keeps_samples_geometry_and_times(folder: Path, volume: Volume, suffix: str) -> None:

@@ -110,7 +110,8 @@ def _arranged(array: AnyArray) -> AnyArray:
     """``(c, t, z, y, x)`` as ``(t, c, z, y, x)``; 4-D files are time; one step alone is left out."""
     if array.ndim == 5:
         array = array.swapaxes(0, 1)
-        return array[0] if array.shape[0] == 1 else array
+        # With four axes, a last one of three or four voxels would be taken for colours.
+        return array[0] if array.shape[0] == 1 and array.shape[-1] not in (3, 4) else array
     if array.ndim == 4:
         return array[0] if array.shape[0] == 1 else array[:, None]
     return array
