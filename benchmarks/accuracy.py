@@ -15,7 +15,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from common import arguments, bone, cropped, errors, head, machine, real_volume, table, write_json
+from common import arguments, errors, machine, parsed, table, write_json
+from volumes import bone, cropped, flow, head, real_volume
 
 import airlight as al
 from airlight import reference
@@ -28,13 +29,10 @@ LIGHTS = (al.Light.head(intensity=0.7), al.Light.directional(to_light=(1, -1, 1)
 
 def main(argv: list[str] | None = None) -> int:
     """Compare, print, write; 1 when a bar is missed."""
-    parser = arguments(__doc__, "accuracy")
+    parser = arguments(__doc__, "accuracy", size=256)
     parser.add_argument("--pixels", type=int, default=2000, help="pixels of each picture that are compared (default: 2000)")
-    parser.add_argument("--size", type=int, default=256, help="width and height of the picture (default: 256)")
     parser.add_argument("--only", default="", help="only the cases whose name contains this")
-    options = parser.parse_args(argv)
-    if options.quick:
-        options.pixels, options.size = 60, 48
+    options = parsed(parser, argv, size=48, pixels=60)
     started, rows, adapter = time.time(), [], None
     with al.Renderer() as renderer:
         for name, scene in cases(options.quick):
@@ -78,13 +76,6 @@ def cases(quick: bool = False) -> Iterator[tuple[str, al.Scene]]:
 def gentle() -> al.TransferFunction:
     """Return the function of the guide's first example."""
     return al.TransferFunction([(0, (0, 0, 0), 0.0), (300, (1, 0.6, 0.4), 0.02), (1200, (1, 1, 1), 0.5)])
-
-
-def flow() -> al.TransferFunction:
-    """Function of the speed of the vortex field."""
-    return al.TransferFunction(
-        [(0.2, (0.1, 0.2, 0.9), 0.6), (1.2, (0.1, 0.7, 0.5), 0.0), (2.2, (0.9, 0.8, 0.2), 0.2), (3.4, (1, 0.3, 0.1), 4.0)]
-    )
 
 
 def cameras(volume: al.Volume) -> dict[str, al.Camera]:

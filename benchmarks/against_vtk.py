@@ -12,19 +12,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from common import (
-    arguments,
-    bone,
-    brain,
-    cropped,
-    errors,
-    machine,
-    ratio,
-    real_volume,
-    side_by_side,
-    table,
-    write_json,
-)
+from common import arguments, errors, machine, parsed, ratio, side_by_side, table, write_json
+from volumes import bone, brain, cropped, real_volume
 from vtk_side import MAPPERS, load_vtk, vtk_picture
 
 import airlight as al
@@ -32,7 +21,9 @@ from airlight import reference
 
 STEPS = (2.0, 1.0, 0.5)
 CONVERGED_STEP = 1 / 8
-OURS = {"airlight, pre-integrated": "preintegrated", "airlight, post-classified": "postclassified"}
+OURS: dict[str, dict[str, Any]] = {"airlight, pre-integrated": {}, "airlight, post-classified": {"transfer": "postclassified"}}
+# Light at both ends of slabs, gradients kept in a texture: what Lum, Wilson and Ma draw.
+LIT = {"airlight, gradients kept, interpolated": {"gradient": "precomputed", "lighting": "interpolated"}}
 ALIKE_RMSE = 0.02
 
 Draw = Callable[[float], np.ndarray[Any, Any]]
@@ -40,14 +31,10 @@ Draw = Callable[[float], np.ndarray[Any, Any]]
 
 def main(argv: list[str] | None = None) -> int:
     """Measure, print, write; 1 when pictures do not show the same thing."""
-    parser = arguments(__doc__, "against_vtk", repeats=5)
-    parser.add_argument("--size", type=int, default=512, help="width and height of the picture (default: 512)")
+    parser = arguments(__doc__, "against_vtk", repeats=5, size=512, clock="what the table shows: cpu on a busy machine")
     parser.add_argument("--pixels", type=int, default=4000, help="pixels compared with the reference (default: 4000)")
-    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall", help="what the table shows: cpu on a busy machine")
     parser.add_argument("--pictures", action="store_true", help="also write the pictures beside the JSON")
-    options = parser.parse_args(argv)
-    if options.quick:
-        options.size, options.repeats, options.pixels = 64, 1, 200
+    options = parsed(parser, argv, size=64, repeats=1, pixels=200)
     try:
         load_vtk()
     except ImportError:
@@ -93,12 +80,15 @@ def compare(renderer: al.Renderer, name: str, scene: al.Scene, options: Any) -> 
     """Draw one scene with all renderers at all steps, in turns."""
     size = (options.size, options.size)
     pictures = {label: vtk_picture(scene, size, mapper) for label, mapper in MAPPERS.items()}
-    draws: dict[str, Draw] = {label: ours(renderer, scene, size, transfer) for label, transfer in OURS.items()}
+    unlit = scene.layers[0].look.shade.name == "none"
+    draws: dict[str, Draw] = {
+        label: ours(renderer, scene, size, look) for label, look in (OURS if unlit else OURS | LIT).items()
+    }
     draws |= {label: picture.draw for label, picture in pictures.items()}
     converged = {label: draw(CONVERGED_STEP) for label, draw in draws.items()}
     first = converged[next(iter(OURS))]
     pixels, truth = None, None
-    if scene.layers[0].look.shade.name == "none":
+    if unlit:
         pixels = some_pixels(first, options.pixels)
         truth = reference.converged(scene, size, pixels=pixels).rgba[:, :3]
     rows = []
@@ -121,10 +111,10 @@ def compare(renderer: al.Renderer, name: str, scene: al.Scene, options: Any) -> 
     return rows, checks, renderer.render(scene, (16, 16)).stats["adapter"]
 
 
-def ours(renderer: al.Renderer, scene: al.Scene, size: tuple[int, int], transfer: str) -> Draw:
-    """Return what draws the scene in airlight, linear colours over black."""
+def ours(renderer: al.Renderer, scene: al.Scene, size: tuple[int, int], stages: dict[str, Any]) -> Draw:
+    """Return what draws the scene in airlight with some stages, linear colours over black."""
     (layer,) = scene.layers
-    look = al.Look(transfer=transfer, shade=layer.look.shade)
+    look = al.Look(shade=layer.look.shade, **stages)
     staged = al.Scene(layer.volume, transfer=layer.transfer, camera=scene.camera, look=look, lights=scene.lights)
     return lambda step: renderer.render(staged, size, step=step).rgb
 

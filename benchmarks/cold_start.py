@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import arguments, machine, real_path, spread, stand_in, table, write_json
+from common import arguments, machine, spread, table, write_json
+from volumes import real_path, stand_in
 
 import airlight as al
 

@@ -1,4 +1,4 @@
-"""What the benchmarks share: volumes and functions, repeated side-by-side runs, errors of images, JSON and tables."""
+"""What the benchmarks share: options, repeated side-by-side runs, frames, errors of images, JSON and tables."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import argparse
 import json
 import os
 import platform
-import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,23 +17,50 @@ from typing import Any
 import numpy as np
 
 import airlight as al
+from airlight.gpu.device import Device
+from airlight.rendering.frame import Request, prepare
+from airlight.rendering.march import MarchFrame
 
 ROOT = Path(__file__).parent.parent
-FILES = {"ct_head": "ct_head.nrrd", "ch2": "ch2.nii.gz", "engine": "engine.nii.gz", "bonsai": "bonsai.nii.gz"}
 
 
 # -- command line and results
 
 
-def arguments(description: str | None, name: str, repeats: int | None = None) -> argparse.ArgumentParser:
-    """Return a parser with the options that all benchmarks have."""
+def arguments(
+    description: str | None,
+    name: str,
+    repeats: int | None = None,
+    size: int | None = None,
+    step: float | None = None,
+    clock: str | None = None,
+) -> argparse.ArgumentParser:
+    """Return a parser with the options that all benchmarks have, and with those for which something is given.
+
+    ``step`` comes with the device that draws; ``clock`` says what the chosen clock is for.
+    """
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     target = ROOT / "out" / f"{name}.json"
     parser.add_argument("--out", type=Path, default=target, help=f"JSON file with all numbers (default: out/{name}.json)")
     parser.add_argument("--quick", action="store_true", help="tiny sizes: shows that it works, its numbers mean nothing")
     if repeats is not None:
         parser.add_argument("--repeats", type=int, default=repeats, help="counted runs of each (default: %(default)s)")
+    if size is not None:
+        parser.add_argument("--size", type=int, default=size, help="width and height of the picture (default: %(default)s)")
+    if step is not None:
+        parser.add_argument("--step", type=float, default=step, help="distance of samples in voxels (default: %(default)s)")
+        parser.add_argument("--device", default=None, help="adapter, by number, kind or part of its name")
+    if clock is not None:
+        parser.add_argument("--clock", choices=("wall", "cpu"), default="wall", help=clock)
     return parser
+
+
+def parsed(parser: argparse.ArgumentParser, argv: list[str] | None, **quick: int) -> Any:
+    """Options of the command line; with ``--quick`` these take the place of what it says."""
+    options = parser.parse_args(argv)
+    if options.quick:
+        vars(options).update(quick)
+    return options
 
 
 def machine(device: Any = None) -> dict[str, Any]:
@@ -53,6 +79,13 @@ def machine(device: Any = None) -> dict[str, Any]:
         info = device.info
         found["adapter"] = {"name": info.name, "kind": info.kind, "backend": info.backend, "driver": info.driver}
     return found
+
+
+def described(device: Any, options: Any) -> dict[str, Any]:
+    """Print and return what drew: machine, size, step and clock."""
+    about = machine(device) | {name: getattr(options, name) for name in ("quick", "size", "step", "clock")}
+    print(f"{about['adapter']['name']}, {about['cores']} cores, {options.size}x{options.size}, step {options.step}\n")
+    return about
 
 
 def _processor() -> str:
@@ -150,94 +183,24 @@ def ratio(one: Sequence[float], other: Sequence[float]) -> dict[str, float]:
     return spread(np.asarray(one) / np.asarray(other))
 
 
-# -- volumes
+def by_both_clocks(one: Measured, other: Measured) -> dict[str, dict[str, float]]:
+    """Quotients ``one / other`` of the same turns, by the wall's clock and by the processor's."""
+    return {"wall": ratio(one.wall, other.wall), "cpu": ratio(one.cpu, other.cpu)}
 
 
-def data_folder() -> Path:
-    """Folder of the real volumes: ``AIRLIGHT_DATA``, else ``shared/data`` beside the project."""
-    return Path(os.environ.get("AIRLIGHT_DATA") or ROOT.parent / "shared" / "data")
+# -- frames
 
 
-def real_path(name: str) -> Path | None:
-    """File of a real volume, None where it is not there."""
-    path = data_folder() / FILES[name]
-    return path if path.is_file() else None
+def from_corner(volume: al.Volume, function: al.TransferFunction, look: Mapping[str, Any]) -> al.Scene:
+    """Scene of a volume seen from its corner."""
+    camera = al.fit_camera("iso", volume.corners_world(), 1.0)
+    return al.Scene(volume, transfer=function, look=al.Look(**look), camera=camera, background=None)
 
 
-def real_volume(name: str, voxels: int = 96) -> al.Volume:
-    """Return a real volume, or a computed head-like one in its place, which says so in its name."""
-    path = real_path(name)
-    if path is not None:
-        return al.open(path)
-    where = "AIRLIGHT_DATA names the folder of real volumes"
-    print(f"{FILES[name]} is not there ({where}); a computed volume stands in", file=sys.stderr)
-    return stand_in(voxels)
-
-
-def stand_in(voxels: int = 96) -> al.Volume:
-    """Nested ellipsoids with the values of air, skin, tissue and bone in Hounsfield units."""
-    axis = np.linspace(-1, 1, voxels)
-    z, y, x = axis[:, None, None], axis[None, :, None], axis[None, None, :]
-    radius = np.sqrt((x / 0.8) ** 2 + (y / 0.9) ** 2 + (z / 0.85) ** 2) + 0.03 * np.sin(9 * x) * np.cos(8 * y) * np.sin(7 * z)
-    values = np.interp(radius, [0, 0.7, 0.75, 0.85, 0.9, 1.0, 1.05], [40, 40, 1200, 1200, 60, 60, -1000])
-    spacing = (200 / voxels,) * 3
-    return al.Volume(np.round(values).astype(np.int16), spacing=spacing, units="mm", modality="CT", name="computed stand-in")
-
-
-def cropped(volume: al.Volume, size: int) -> al.Volume:
-    """Return the middle of a volume, at most so many voxels along each axis, for quick runs."""
-    starts = [(n - min(n, size)) // 2 for n in volume.array.shape]
-    part = volume.array[tuple(slice(a, a + min(n, size)) for a, n in zip(starts, volume.array.shape, strict=True))]
-    matrix = volume.world_from_index.copy()
-    matrix[:3, 3] = (volume.world_from_index @ [*starts[::-1], 1])[:3]
-    about = {"units": volume.units, "modality": volume.modality, "anatomical": volume.anatomical}
-    return al.Volume(np.ascontiguousarray(part), world_from_index=matrix, name=f"{volume.name} (cropped)", **about)
-
-
-def noisy_cloud(voxels: int = 256, seed: int = 1) -> al.Volume:
-    """A smooth cloud with noise on it, whole numbers of 8 bits, nowhere empty."""
-    axis = np.linspace(-1, 1, voxels, dtype=np.float32)
-    z, y, x = axis[:, None, None], axis[None, :, None], axis[None, None, :]
-    smooth = 90 * np.exp(-1.5 * (x * x + y * y + z * z)) + 30 * np.sin(7 * x) * np.cos(6 * y) * np.sin(5 * z) + 80
-    noise = np.random.default_rng(seed).normal(0, 12, (voxels,) * 3).astype(np.float32)
-    return al.Volume(np.clip(smooth + noise, 1, 255).astype(np.uint8), name=f"cloud-{voxels}")
-
-
-def bone() -> al.TransferFunction:
-    """Bone of a CT: opaque from 600 HU on, all below 150 HU empty."""
-    return al.TransferFunction(
-        [(150, (0.26, 0.1, 0.04), 0), (280, (0.7, 0.45, 0.26), 0.05), (600, (0.9, 0.8, 0.63), 0.6), (1600, (1, 1, 1), 1.6)]
-    )
-
-
-def head() -> al.TransferFunction:
-    """Translucent skin and tissue over bone of a CT."""
-    return al.TransferFunction(
-        [
-            (-600, (0.5, 0.25, 0.15), 0),
-            (-300, (0.7, 0.4, 0.28), 0.02),
-            (60, (0.6, 0.1, 0.08), 0.01),
-            (250, (0.8, 0.6, 0.4), 0.06),
-            (900, (1, 0.95, 0.85), 0.9),
-        ]
-    )
-
-
-def brain() -> al.TransferFunction:
-    """Skin and brain of an MRI of 8 bits."""
-    return al.TransferFunction(
-        [(30, (0.3, 0.15, 0.1), 0), (70, (0.7, 0.45, 0.3), 0.03), (110, (0.8, 0.75, 0.7), 0.1), (200, (1, 1, 1), 0.5)]
-    )
-
-
-def haze(volume: al.Volume, depth: float = 1.5) -> al.TransferFunction:
-    """Return a function without an empty value: the whole volume is a haze of about this optical depth."""
-    known = al.statistics(volume)
-    low, high = float(known.minimum), float(known.maximum)
-    extent = max(n * s for n, s in zip(volume.size, volume.spacing, strict=True))
-    e = depth / extent
-    middle = (low + high) / 2
-    return al.TransferFunction([(low, (0.2, 0.3, 0.6), 0.3 * e), (middle, (0.9, 0.6, 0.3), e), (high, (1, 1, 1), 2 * e)])
+def frame_of(device: Device, drawn: al.Scene, options: Any, skip: str) -> MarchFrame:
+    """Frame of a scene, ready to be drawn again and again by ``draw_march``."""
+    request = Request((options.size, options.size), al.driver.March(), options.step, skip)
+    return prepare(device, drawn, request, lambda: None, lambda *_: None)
 
 
 # -- errors of images

@@ -13,19 +13,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from common import (
-    arguments,
-    cropped,
-    data_folder,
-    haze,
-    machine,
-    noisy_cloud,
-    ratio,
-    real_volume,
-    side_by_side,
-    table,
-    write_json,
-)
+from common import arguments, by_both_clocks, described, parsed, side_by_side, table, write_json
+from volumes import cropped, data_folder, haze, noisy_cloud, real_volume
 
 import airlight as al
 
@@ -35,18 +24,11 @@ MANY = 300_000
 
 def main(argv: list[str] | None = None) -> int:
     """Measure, print, write; 1 when a picture costs more than it may."""
-    parser = arguments(__doc__, "labels", repeats=7)
-    parser.add_argument("--size", type=int, default=512, help="width and height of the picture (default: 512)")
-    parser.add_argument("--step", type=float, default=1.0, help="distance of samples in voxels (default: 1)")
-    parser.add_argument("--device", default=None, help="adapter, by number, kind or part of its name")
-    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall", help="what decides: cpu where others are busy")
-    options = parser.parse_args(argv)
-    if options.quick:
-        options.size, options.repeats = 48, 1
+    parser = arguments(__doc__, "labels", repeats=7, size=512, step=1.0, clock="what decides: cpu where others are busy")
+    options = parsed(parser, argv, size=48, repeats=1)
     with al.Renderer(options.device) as renderer:
         renderer.render(al.Scene(noisy_cloud(8)), (8, 8))
-        about = machine(renderer._device) | {"quick": options.quick, "size": options.size, "step": options.step}
-        print(f"{about['adapter']['name']}, {about['cores']} cores, {options.size}x{options.size}, step {options.step}\n")
+        about = described(renderer._device, options)
         costs = [cost(renderer, *case, options) for case in cases(options.quick)]
         print(table([shown(row, options.clock) for row in costs]))
         changes = [change(renderer, name, volume, labels, options) for name, volume, labels, _ in images(options.quick)]
@@ -54,7 +36,7 @@ def main(argv: list[str] | None = None) -> int:
     passed = all(row["least"][options.clock] <= row["most"] for row in costs)
     verdict = "PASS" if passed else "FAIL"
     print(f"\n{verdict}: at most {MOST['few']} times the picture without labels, {MOST['many']} with {MANY:,}")
-    write_json(options.out, about | {"clock": options.clock, "costs": costs, "changes": changes, "passes": passed})
+    write_json(options.out, about | {"costs": costs, "changes": changes, "passes": passed})
     return 0 if passed or options.quick else 1
 
 
@@ -134,8 +116,7 @@ def cost(
         "labelled": labelled.summary(),
         "samples": samples,
         "opacities differ by": alike,
-        "wall": ratio(labelled.wall, plain.wall),
-        "cpu": ratio(labelled.cpu, plain.cpu),
+        **by_both_clocks(labelled, plain),
         # The least times of both: what else the machine does counts for neither.
         "least": {"wall": min(labelled.wall) / min(plain.wall), "cpu": min(labelled.cpu) / min(plain.cpu)},
         "most": most,

@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import ROOT, arguments, cropped, errors, head, machine, real_volume, side_by_side, table, write_json
+from common import ROOT, arguments, errors, from_corner, machine, parsed, side_by_side, table, write_json
+from volumes import cropped, flow, head, real_volume
 
 import airlight as al
 from airlight import reference
@@ -23,29 +24,23 @@ ORDERS: dict[str, tuple[dict[str, Any], bool]] = {
     "pre-classified": ({"field": "preclassified"}, False),
     "post-classified": ({"transfer": "postclassified"}, False),
     "pre-integrated, fast": ({"transfer": "preintegrated_fast"}, False),
-    "pre-integrated": ({"transfer": "preintegrated"}, False),
+    "pre-integrated, plain": ({"transfer": "preintegrated"}, False),
     "pre-integrated, curved": ({"transfer": "preintegrated"}, True),
 }
 STEPS = (4.0, 2.0, 1.0, 0.5, 0.25)
 CONVERGED_STEP = 1 / 32
 SMOOTH, SPIKY, RANDOM, BAND_LIMITED = "smooth", "spiky", "random", "band-limited"
-BEST = "pre-integrated, curved"
+PLAIN, BEST = "pre-integrated, plain", "pre-integrated, curved"  # without and, as by default, with curvature
 BARS = {BAND_LIMITED: (4.0, 0.01), SMOOTH: (1.0, 0.015)}  # greatest step, and by how much the mean colour may change
 
 
 def main(argv: list[str] | None = None) -> int:
     """Measure, print, write; 1 when a bar is missed."""
-    parser = arguments(__doc__, "orders", repeats=5)
-    parser.add_argument("--size", type=int, default=256, help="width and height of the picture (default: 256)")
+    parser = arguments(__doc__, "orders", repeats=5, size=256, clock="what tables and plots show: cpu on a busy machine")
     parser.add_argument("--pixels", type=int, default=2000, help="pixels compared with the reference (default: 2000)")
-    parser.add_argument(
-        "--clock", choices=("wall", "cpu"), default="wall", help="what tables and plots show: cpu on a busy machine"
-    )
     parser.add_argument("--only", default="", help="only the cases whose name contains this")
     parser.add_argument("--docs", action="store_true", help="also write the plots and pictures of docs/guide/orders")
-    options = parser.parse_args(argv)
-    if options.quick:
-        options.size, options.repeats, options.pixels = 32, 1, 40
+    options = parsed(parser, argv, size=32, repeats=1, pixels=40)
     started, found = time.time(), []
     with al.Renderer() as renderer:
         for name, kind, scene in cases(options.quick):
@@ -85,8 +80,7 @@ def cases(quick: bool = False) -> list[tuple[str, str, al.Scene]]:
 
 def scene_of(volume: al.Volume, function: al.TransferFunction) -> al.Scene:
     """Unlit scene of a volume seen from a corner."""
-    camera = al.fit_camera("iso", volume.corners_world(), 1.0)
-    return al.Scene(volume, transfer=function, camera=camera, look=al.Look(shade="none"), background=None)
+    return from_corner(volume, function, {"shade": "none"})
 
 
 def in_order(scene: al.Scene, order: str) -> tuple[al.Scene, Any]:
@@ -119,13 +113,6 @@ def random_green(volume: al.Volume, seed: int = 3) -> al.TransferFunction:
     shares = ((0, (0.0, 0, 0.4), 0.0), (0.04, (0.0, 0, 0.7), 0.05), (0.4, (0.6, 0, 0.1), 0.4), (1, (1, 0, 0), 0.8))
     base = al.TransferFunction([(share * greatest, rgb, extinction) for share, rgb, extinction in shares])
     return al.TransferFunction.random(seed, (0, greatest), entries=48, channels="g", base=base)
-
-
-def flow() -> al.TransferFunction:
-    """Function of the speed of the vortex field."""
-    return al.TransferFunction(
-        [(0.2, (0.1, 0.2, 0.9), 0.6), (1.2, (0.1, 0.7, 0.5), 0.0), (2.2, (0.9, 0.8, 0.2), 0.2), (3.4, (1, 0.3, 0.1), 4.0)]
-    )
 
 
 def lobes_of(volume: al.Volume) -> al.TransferFunction:
@@ -189,7 +176,7 @@ def rows(case: dict[str, Any], clock: str) -> list[dict[str, Any]]:
 def check(case: dict[str, Any], clock: str) -> list[dict[str, Any]]:
     """What is asked of pre-integration with and without curvature, and whether it holds; the better of them counts."""
     post, found = case["orders"]["post-classified"], []
-    for order in ("pre-integrated", BEST):
+    for order in (PLAIN, BEST):
         pre = case["orders"][order]
         bars: list[tuple[str, float, float]] = []
         if case["kind"] in (SPIKY, RANDOM):

@@ -11,12 +11,12 @@ import sys
 from typing import Any
 
 import numpy as np
-from common import Measured, arguments, cropped, machine, ratio, real_volume, side_by_side, table, write_json
+from common import arguments, by_both_clocks, described, frame_of, from_corner, parsed, side_by_side, table, write_json
+from volumes import cropped, real_volume
 
 import airlight as al
 from airlight.gpu.device import Device, open_device
-from airlight.rendering.frame import Request, prepare
-from airlight.rendering.march import MarchFrame, draw_march
+from airlight.rendering.march import draw_march
 
 COUNTS = (1, 10, 100)
 MOST = 1.05
@@ -26,18 +26,11 @@ LOOKS: dict[str, dict[str, Any]] = {"unlit": {"shade": "none"}, "lit": {}}
 
 def main(argv: list[str] | None = None) -> int:
     """Measure, print, write; 1 when many surfaces take more than 5 % longer than one where the same slabs are drawn."""
-    parser = arguments(__doc__, "surfaces", repeats=15)
-    parser.add_argument("--size", type=int, default=384, help="width and height of the picture (default: 384)")
-    parser.add_argument("--step", type=float, default=1.0, help="distance of samples in voxels (default: 1)")
-    parser.add_argument("--device", default=None, help="adapter, by number, kind or part of its name")
-    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall", help="what decides: cpu where others are busy")
-    options = parser.parse_args(argv)
-    if options.quick:
-        options.size, options.repeats = 48, 1
+    parser = arguments(__doc__, "surfaces", repeats=15, size=384, step=1.0, clock="what decides: cpu where others are busy")
+    options = parsed(parser, argv, size=48, repeats=1)
     device = open_device(options.device)
     try:
-        about = machine(device) | {"quick": options.quick, "size": options.size, "step": options.step, "clock": options.clock}
-        print(f"{about['adapter']['name']}, {about['cores']} cores, {options.size}x{options.size}, step {options.step}\n")
+        about = described(device, options)
         volume = real_volume("engine")
         volume = cropped(volume, 24) if options.quick else volume
         rows = [row for case in cases(volume) for row in measured_case(device, volume, *case, options)]
@@ -78,16 +71,6 @@ def sheets(values: np.ndarray[Any, Any]) -> list[al.Surface]:
     return [al.Surface(float(v), (1, 0.8, n / len(values)), opacity, (0.3, 0.5, 1)) for n, v in enumerate(values)]
 
 
-def frame_of(
-    device: Device, volume: al.Volume, function: al.TransferFunction, look: dict[str, Any], options: Any, skip: str = "auto"
-) -> MarchFrame:
-    """Frame of a volume seen from its corner."""
-    camera = al.fit_camera("iso", volume.corners_world(), 1.0)
-    drawn = al.Scene(volume, transfer=function, look=al.Look(**look), camera=camera, background=None)
-    request = Request((options.size, options.size), al.driver.March(), options.step, skip)
-    return prepare(device, drawn, request, lambda: None, lambda *_: None)
-
-
 def measured_case(
     device: Device,
     volume: al.Volume,
@@ -99,7 +82,8 @@ def measured_case(
 ) -> list[dict[str, Any]]:
     """Draw all numbers of surfaces in turns."""
     skip = "none" if "nothing skipped" in name else "auto"
-    frames = {n: frame_of(device, volume, function, LOOKS[look], options, skip) for n, function in functions.items()}
+    scenes = {n: from_corner(volume, function, LOOKS[look]) for n, function in functions.items()}
+    frames = {n: frame_of(device, scene, options, skip) for n, scene in scenes.items()}
     jobs = {str(n): (lambda frame=frame: draw_march(frame)) for n, frame in frames.items()}
     measured = side_by_side(jobs, options.repeats, warm=2)
     return [
@@ -111,15 +95,10 @@ def measured_case(
             "samples": measured[str(n)].result[2],
             "alpha_mean": float(measured[str(n)].result[0][..., 3].mean()),
             "times": measured[str(n)].summary(),
-            "relative": relative(measured[str(n)], measured["1"]),
+            "relative": by_both_clocks(measured[str(n)], measured["1"]),
         }
         for n in functions
     ]
-
-
-def relative(one: Measured, other: Measured) -> dict[str, Any]:
-    """Quotients of the same turns, by both clocks."""
-    return {"wall": ratio(one.wall, other.wall), "cpu": ratio(one.cpu, other.cpu)}
 
 
 def shown(row: dict[str, Any], clock: str) -> dict[str, Any]:

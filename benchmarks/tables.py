@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import wgpu
-from common import Measured, arguments, machine, table, write_json
+from common import Measured, arguments, machine, side_by_side, table, write_json
 
 import airlight as al
 from airlight.gpu import compute, slab_tables
@@ -48,8 +48,7 @@ TURNS = {PIECES: 1 << 24, INTERVALS: 1 << 26, HOISTED: 1 << 26, HOIST: 1 << 26}
 
 def main(argv: list[str] | None = None) -> int:
     """Measure, print, write; 1 when a bar is missed."""
-    parser = arguments(__doc__, "tables", repeats=9)
-    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall", help="what decides: cpu where others are busy")
+    parser = arguments(__doc__, "tables", repeats=9, clock="what decides: cpu where others are busy")
     parser.add_argument("--picture", type=Path, help="PNG of the fast form's error (needs matplotlib)")
     options = parser.parse_args(argv)
     sizes = (32, 64) if options.quick else (32, 64, 128, 256, 512, 1024, 2048, 4096)
@@ -77,10 +76,7 @@ def main(argv: list[str] | None = None) -> int:
 
 def measured(job: Callable[[], Any], repeats: int, warm: int = 1) -> Measured:
     """Repeated runs of a job."""
-    found = Measured()
-    for turn in range(warm + repeats):
-        found.run(job, counted=turn >= warm)
-    return found
+    return side_by_side({"alone": job}, repeats, warm)["alone"]
 
 
 def middle(times: dict[str, Any], clock: str) -> float:

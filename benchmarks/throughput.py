@@ -15,22 +15,20 @@ import numpy as np
 from common import (
     Measured,
     arguments,
-    bone,
-    cropped,
-    haze,
-    machine,
-    noisy_cloud,
-    ratio,
-    real_volume,
+    by_both_clocks,
+    described,
+    frame_of,
+    from_corner,
+    parsed,
     side_by_side,
     table,
     write_json,
 )
 from plain_march import plain_march
+from volumes import bone, cropped, haze, noisy_cloud, real_volume
 
 import airlight as al
 from airlight.gpu.device import Device, open_device
-from airlight.rendering.frame import Request, prepare
 from airlight.rendering.march import MarchFrame, draw_march
 
 LEAST_RATIO = 0.8
@@ -52,18 +50,11 @@ LOOKS: dict[str, dict[str, Any]] = {
 
 def main(argv: list[str] | None = None) -> int:
     """Measure, print, write; 1 when the pictures differ or the ratio is missed."""
-    parser = arguments(__doc__, "throughput", repeats=7)
-    parser.add_argument("--size", type=int, default=512, help="width and height of the picture (default: 512)")
-    parser.add_argument("--step", type=float, default=0.5, help="distance of samples in voxels (default: 0.5)")
-    parser.add_argument("--device", default=None, help="adapter, by number, kind or part of its name")
-    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall", help="what decides: cpu where others are busy")
-    options = parser.parse_args(argv)
-    if options.quick:
-        options.size, options.repeats = 48, 1
+    parser = arguments(__doc__, "throughput", repeats=7, size=512, step=0.5, clock="what decides: cpu where others are busy")
+    options = parsed(parser, argv, size=48, repeats=1)
     device = open_device(options.device)
     try:
-        about = machine(device) | {"quick": options.quick, "size": options.size, "step": options.step, "clock": options.clock}
-        print(f"{about['adapter']['name']}, {about['cores']} cores, {options.size}x{options.size}, step {options.step}\n")
+        about = described(device, options)
         volumes = drawn_volumes(options.quick)
         beside = [against_plain(device, *case, options) for case in cases(volumes)]
         print(table([shown(row, options.clock) for row in beside]))
@@ -88,17 +79,11 @@ def cases(volumes: dict[str, al.Volume]) -> list[tuple[str, al.Scene, bool]]:
     """Name, scene, and whether the bar counts: where no value is empty both marches do the same work."""
     mip = {"integrate": "mip", "shade": "none"}
     return [
-        *((f"{name}, haze", scene(volume, haze(volume), BRUTE), True) for name, volume in volumes.items()),
-        ("ct_head, haze, orthographic", orthographic(scene(volumes["ct_head"], haze(volumes["ct_head"]), BRUTE)), True),
-        ("ct_head, bone (empty space)", scene(volumes["ct_head"], bone(), BRUTE), False),
-        *((f"{name}, MIP", scene(volume, haze(volume), mip), False) for name, volume in volumes.items()),
+        *((f"{name}, haze", from_corner(volume, haze(volume), BRUTE), True) for name, volume in volumes.items()),
+        ("ct_head, haze, orthographic", orthographic(from_corner(volumes["ct_head"], haze(volumes["ct_head"]), BRUTE)), True),
+        ("ct_head, bone (empty space)", from_corner(volumes["ct_head"], bone(), BRUTE), False),
+        *((f"{name}, MIP", from_corner(volume, haze(volume), mip), False) for name, volume in volumes.items()),
     ]
-
-
-def scene(volume: al.Volume, function: al.TransferFunction, look: dict[str, Any]) -> al.Scene:
-    """Scene of a volume seen from its corner."""
-    camera = al.fit_camera("iso", volume.corners_world(), 1.0)
-    return al.Scene(volume, transfer=function, look=al.Look(**look), camera=camera, background=None)
 
 
 def orthographic(drawn: al.Scene) -> al.Scene:
@@ -110,15 +95,9 @@ def orthographic(drawn: al.Scene) -> al.Scene:
     return al.Scene(layers=drawn.layers, camera=camera, lights=drawn.lights, background=None)
 
 
-def frame_of(device: Device, drawn: al.Scene, options: Any) -> MarchFrame:
-    """Frame of a scene without skipping."""
-    request = Request((options.size, options.size), al.driver.March(), options.step, "none")
-    return prepare(device, drawn, request, lambda: None, lambda *_: None)
-
-
 def against_plain(device: Device, name: str, drawn: al.Scene, counts: bool, options: Any) -> dict[str, Any]:
     """Draw one scene in turns by airlight and by the plainest march."""
-    frame = frame_of(device, drawn, options)
+    frame = frame_of(device, drawn, options, "none")
     plain = plain_march(frame)
     measured = side_by_side({"airlight": lambda: draw_march(frame), "plainest": plain.draw}, options.repeats)
     ours, theirs = measured["airlight"], measured["plainest"]
@@ -133,8 +112,7 @@ def against_plain(device: Device, name: str, drawn: al.Scene, counts: bool, opti
         "samples": samples,
         "difference_max": difference,
         "agrees": difference <= AGREE,
-        "wall": ratio(theirs.wall, ours.wall) | {"median": share * ratio(theirs.wall, ours.wall)["median"]},
-        "cpu": ratio(theirs.cpu, ours.cpu) | {"median": share * ratio(theirs.cpu, ours.cpu)["median"]},
+        **{clock: found | {"median": share * found["median"]} for clock, found in by_both_clocks(theirs, ours).items()},
         "times": {name: m.summary() for name, m in measured.items()},
         "rates": {name: rate(m, samples[name]) for name, m in measured.items()},
     }
@@ -174,7 +152,9 @@ def breakdown(device: Device, volumes: dict[str, al.Volume], options: Any) -> li
     functions = {"haze": haze(volume), "bone": bone()}
     rows = []
     for name, function in functions.items():
-        frames = {look: frame_of(device, scene(volume, function, stages), options) for look, stages in LOOKS.items()}
+        frames = {
+            look: frame_of(device, from_corner(volume, function, stages), options, "none") for look, stages in LOOKS.items()
+        }
         jobs = {look: (lambda frame=frame: draw_march(frame)) for look, frame in frames.items()}
         for look, measured in side_by_side(jobs, max(1, options.repeats // 2)).items():
             found = rate(measured, measured.result[2])

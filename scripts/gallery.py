@@ -129,8 +129,8 @@ PRESETS = (
     Entry(
         "preset-lung",
         "labels/ts_example_ct.nii.gz",
-        "the bases of both lungs round the vertebra and the liver, gas in the bowel; from above",
-        ("--preset", "ct_lung", "--camera", "top"),
+        "the bases of both lungs in blue, gas in the bowel before them, a faint skin; from above and behind",
+        ("--preset", "ct_lung", "--camera", "-3,315,862,-3,-130,390", "--step", "0.5"),
     ),
     Entry(
         "preset-airways",
@@ -157,7 +157,8 @@ PRESETS = (
 
 THIN = ("--tf", "1700:#f2b48c:0 2000:#f2b48c:0.25 2300:#f2b48c:0 6300:#7fc7ff:0 6600:#7fc7ff:0.5 6900:#7fc7ff:0", "--step", "2")
 DIM = ("--shade", "blinn_phong:ambient=0.005,diffuse=0.05,specular=0.02,shininess=20")
-FOG = ("--tf", "0:#3060a0:0.02 120:#60a0ff:0.02 121:#ffa040:0.06 255:#fff0c0:0.06", "--shade", "none", "--camera", "iso")
+METAL = ("--tf", "100:#e8e2d4:0 130:#e8e2d4:2 255:#e8e2d4:2", "--camera", "iso")
+IN_FOG = ("--tf", "0:#3060a0:0.02 120:#60a0ff:0.02 121:#ffa040:0.06 255:#fff0c0:0.06", "--shade", "none", "--camera", "iso")
 COMPARED = (
     Entry(
         "thin-postclassified",
@@ -165,12 +166,17 @@ COMPARED = (
         "a function of two thin peaks: rings and gaps",
         (*THIN, "--transfer", "postclassified"),
     ),
-    Entry("thin-preintegrated", "mni-head", "the same with whole surfaces", (*THIN, "--transfer", "preintegrated")),
+    Entry(
+        "thin-preintegrated",
+        "mni-head",
+        "the same with whole surfaces",
+        (*THIN, "--transfer", "preintegrated", "--driver", "march:curved=false"),
+    ),
     Entry(
         "thin-curved",
         "mni-head",
         "the same, values put right for curvature: fewer seams",
-        (*THIN, "--transfer", "preintegrated", "--driver", "march:curved=true"),
+        (*THIN, "--transfer", "preintegrated"),
     ),
     Entry(
         "thin-preclassified",
@@ -184,22 +190,53 @@ COMPARED = (
         "post-classified, the rings turned into noise",
         (*THIN, "--transfer", "postclassified", "--offsets", "interleaved"),
     ),
-    Entry("engine-plain", "engine.nii.gz", "the block and the air round it as fog: walls of one thickness look alike", FOG),
+    Entry("engine-plain", "engine.nii.gz", "the block and the air round it as fog: walls of one thickness look alike", IN_FOG),
     Entry(
         "engine-change",
         "engine.nii.gz",
         "the same fog weighted by its change along the ray: walls and bores, edge-on ones faint",
-        (*FOG, "--modulation", "change:full_at=60"),
+        (*IN_FOG, "--modulation", "change:full_at=60"),
     ),
     Entry(
         "engine-gradient",
         "engine.nii.gz",
         "the same weighted by the gradient: walls and bores from all sides",
-        (*FOG, "--modulation", "gradient_magnitude:full_at=60"),
+        (*IN_FOG, "--modulation", "gradient_magnitude:full_at=60"),
     ),
-    Entry("mip", "mni-head", "maximum: fat, the brightest tissue on each ray", ("--integrate", "mip")),
+    Entry("mip", "formats/LIDC2.mha", "maximum: bones, and a vein full of contrast medium", ("--integrate", "mip")),
     Entry("minip", "cement", "minimum: the pores of cement (a head is black, each ray meets air)", ("--integrate", "minip")),
     Entry("mean", "mni-head", "mean: as an X-ray picture", ("--integrate", "mean")),
+    Entry(
+        "xray",
+        "ct_head.nrrd",
+        "as a radiograph from the left: both tables of the skull, base and jaw bright, the nose dark",
+        ("--integrate", "xray:low=1", "--camera", "left", "--step", "0.5"),
+    ),
+    Entry("mip-bonsai", "bonsai.nii.gz", "maximum: branches without order", ("--integrate", "mip")),
+    Entry(
+        "local-mip",
+        "bonsai.nii.gz",
+        "first local maximum: near branches before far ones, single stones in the pot",
+        ("--integrate", "local_mip:threshold=60,drop=10"),
+    ),
+    Entry(
+        "attenuated-mip",
+        "formats/LIDC2.mha",
+        "attenuated maximum: ribs in front and heart hide what lies behind",
+        ("--integrate", "attenuated_mip"),
+    ),
+    Entry(
+        "occlusion-none",
+        "engine.nii.gz",
+        "light alone: bores as bright as faces",
+        (*METAL, "--shade", "blinn_phong:ambient=0.1,diffuse=0.7,specular=0.1"),
+    ),
+    Entry(
+        "occlusion",
+        "engine.nii.gz",
+        "ambient occlusion: bores and corners dark, edges bright",
+        (*METAL, "--visibility", "ambient_occlusion", "--shade", "blinn_phong:ambient=1.2,diffuse=0.35,specular=0.1"),
+    ),
     Entry("first-hit", "mni-head", "the skin as one opaque surface", ("--integrate", "first_hit")),
     Entry("tone-linear", "mni-head", "little light, shown as it is: nearly black", (*DIM, "--tone", "linear")),
     Entry("tone-reinhard", "mni-head", "the same little light, the eye adapted to it", (*DIM, "--tone", "reinhard")),
@@ -229,6 +266,7 @@ SURFACES = (
     ),
 )
 
+FROM_ABOVE = ("--camera", "-5,14,370,-5,14,7,0,-1,0")
 CHANNELS = (
     Entry(
         "channels-cells",
@@ -245,19 +283,19 @@ CHANNELS = (
     Entry(
         "channels-stroke",
         "stroke.nrrd",
-        "T1 in cyan, T2 in magenta, FLAIR in yellow: liquid on the surface and in the gaps of a brain shows in T2",
-        ("--channels", "all"),
+        "T1 in cyan, T2 in magenta, FLAIR in yellow: liquid between the folds of a brain shows in T2; from above",
+        ("--channels", "all", *FROM_ABOVE),
     ),
 )
 
-AAL = ("--labels", "labels/aal.nii.gz", "--camera", "left")
+AAL = ("--labels", "labels/aal.nii.gz", "--camera", "400,17,15,0,17,15", "--hide-labels", "0")
 LABELLED = (
-    Entry("labels-brain", "ch2.nii.gz", "a brain in parcels with smooth borders, head left out", (*AAL, "--hide-labels", "0")),
+    Entry("labels-brain", "ch2.nii.gz", "a brain in parcels with smooth borders, head left out", AAL),
     Entry(
         "labels-highlighted",
         "ch2.nii.gz",
-        "hippocampi and thalami within a grey, translucent brain",
-        (*AAL, "--hide-labels", "0", "--highlight-labels", "37,38,77,78"),
+        "left hippocampus in pink and thalamus in blue, parts of the right ones behind them, within the veil of a brain",
+        (*AAL, "--highlight-labels", "37,38,77,78"),
     ),
     Entry(
         "labels-macaque",
@@ -282,7 +320,7 @@ JOINT = (
     Entry(
         "tooth-automatic",
         "tooth.nrrd",
-        "its boundaries found in the data: enamel and dentine in green, the surface of the roots in blue",
+        "its boundaries found in the data: that of the enamel in orange, dentine to enamel in green, that of the roots in blue",
         ("--auto", "boundaries2d", "--step", "0.5"),
     ),
     Entry(
@@ -295,9 +333,63 @@ JOINT = (
         "stroke-joint",
         "stroke.nrrd",
         "by three channels: a lesion in red, fluid in blue, the brain around them; from above",
-        ("--tf", "examples/stroke.toml", "--camera", "-5,14,370,-5,14,7,0,-1,0", "--step", "0.5"),
+        ("--tf", "examples/stroke.toml", *FROM_ABOVE, "--step", "0.5"),
     ),
 )
+MAGNIFIED = (
+    "--tf",
+    "0:#8f7f63:1 255:#8f7f63:1",
+    "--integrate",
+    "first_hit:iso=12",
+    "--camera",
+    "34,-40,17,8.5,0,-0.5",
+    "--step",
+    "0.25",
+)
+FILTERS = (
+    Entry("fuel-linear", "fuel.nii.gz", "a few voxels of a jet of fuel as a surface, with facets at its outlines", MAGNIFIED),
+    Entry(
+        "fuel-bspline",
+        "fuel.nii.gz",
+        "the same by cubic B-splines and their own slopes: smooth (Engel and Ertl, figure 35)",
+        (*MAGNIFIED, "--field", "bspline", "--gradient", "analytic"),
+    ),
+    Entry(
+        "fuel-catmull-rom",
+        "fuel.nii.gz",
+        "the same by a filter that goes through the samples: smooth, with more relief",
+        (*MAGNIFIED, "--field", "catmull_rom", "--gradient", "analytic"),
+    ),
+)
+STUDIO = ("--environment", "studio")
+ENVIRONMENTS = (
+    Entry(
+        "environment-studio",
+        "ct_head.nrrd",
+        "bone in soft light from the upper left, eye sockets dim",
+        (
+            *("--preset", "ct_bone", *STUDIO, "--environment-turn", "180", "--visibility", "ambient_occlusion"),
+            *("--shade", "environment:roughness=0.3,intensity=1.9"),
+        ),
+    ),
+    Entry(
+        "environment-sky",
+        "engine.nii.gz",
+        "an engine of dull metal under the sky that it mirrors, the horizon behind it",
+        (
+            *("--tf", "70:#b0b8c0:0 90:#b0b8c0:2", "--environment", "sky:to_sun=[-1,-1,0.9],sun=3"),
+            *("--shade", "environment:metallic=0.8,roughness=0.25", "--background", "environment"),
+            *("--camera", "-260,-460,10,0,0,25"),
+        ),
+    ),
+    Entry(
+        "environment-metal",
+        "engine.nii.gz",
+        "the same as a surface of brass that mirrors the soft boxes of a studio",
+        ("--iso", "80:#f0c060", *STUDIO, "--shade", "environment:metallic=1,roughness=0.15", "--camera", "iso"),
+    ),
+)
+
 SECTIONS = {
     "First pictures": (FIRST, "Chosen from the data alone."),
     "Labels": (LABELLED, "Regions of a second volume, beside the image."),
@@ -305,6 +397,8 @@ SECTIONS = {
     "Compared": (COMPARED, "One thing changed at a time; the thin peaks are drawn with steps of two voxels."),
     "Channels": (CHANNELS, "Several channels in one place: extinctions add, colours are weighted by extinction."),
     "Joint functions": (JOINT, "Functions of several variables, histograms to draw them on, and functions made of the data."),
+    "Filters": (FILTERS, "Values between voxels, magnified."),
+    "Environments": (ENVIRONMENTS, "Light from all directions, and what is seen behind."),
     "Surfaces": (SURFACES, "Surfaces of equal value: sheets without width, each side in its own colour."),
 }
 ENTRIES = tuple(entry for entries, _ in SECTIONS.values() for entry in entries)
@@ -334,6 +428,8 @@ def check() -> int:
 
 def render_all(only: list[str] | None = None) -> int:
     """Render the entries whose volumes can be had, and write the table and the records."""
+    from airlight.files import write_text
+
     FOLDER.mkdir(parents=True, exist_ok=True)
     records = read_records()
     data = data_folder()
@@ -349,8 +445,8 @@ def render_all(only: list[str] | None = None) -> int:
         failed += bool(fault)
         print(fault or f"{entry.name}: {time.perf_counter() - started:.1f} s", flush=True)
     known = {e.name for e in ENTRIES}
-    write(RECORDS, json.dumps({n: r for n, r in sorted(records.items()) if n in known}, indent=1) + "\n")
-    write(FOLDER / "README.md", table())
+    write_text(RECORDS, json.dumps({n: r for n, r in sorted(records.items()) if n in known}, indent=1) + "\n")
+    write_text(FOLDER / "README.md", table())
     pictures = list(FOLDER.glob("*.png"))
     print(f"{len(pictures)} pictures, {sum(p.stat().st_size for p in pictures) / 1e6:.2f} MB, in docs/gallery")
     return int(failed > 0)
@@ -377,26 +473,22 @@ def render(entry: Entry, data: Path, records: dict[str, Any]) -> str:
 def render_sample(name: str, target: Path) -> dict[str, Any]:
     """Render the first picture of a sample, as ``airlight demo`` does."""
     import airlight as al
+    from airlight.app.demo import STEP
 
-    image = al.render(al.samples.load(name), SIZE)
+    image = al.render(al.first_picture(al.samples.load(name), SIZE), SIZE, step=STEP)
     image.save(target)
     return image.stats
 
 
 def render_by_command(entry: Entry, data: Path, target: Path, told: Path) -> dict[str, Any]:
     """Run ``airlight render`` in this process: the device is opened once."""
-    from airlight import samples, save
+    from airlight import save
     from airlight.app.cli import main as airlight
-    from airlight.samples.registry import FETCHED
 
-    if entry.is_sample and entry.volume not in FETCHED:
-        path = target.with_name(f"{entry.volume}.nrrd")
-        save(samples.load(entry.volume), path)
-    elif entry.volume in STACKED:
+    path: str | Path = entry.volume if entry.is_sample else data / entry.volume
+    if entry.volume in STACKED:
         path = target.with_name(entry.volume)
         save(stacked([data / part for part in STACKED[entry.volume]]), path)
-    else:
-        path = samples.fetch(entry.volume) if entry.is_sample else data / entry.volume
     options = [str(data / word) if word in DATA_SOURCES else word for word in entry.options]
     drawn = entry.verb == "render"
     words = [entry.verb, str(path), "-o", str(target), *options]
@@ -433,9 +525,8 @@ def table() -> str:
         "# Gallery",
         "",
         f"Made by `make gallery` (`scripts/gallery.py`): {SIZE[0]} x {SIZE[1]} pixels, stored with {COLOURS} colours.",
-        "`gallery.json` says on which adapter. Names without an ending are samples: `airlight.samples.fetch(NAME)` returns the",
-        "path of the file, and computed ones are saved first. Files are volumes of the data folder; pictures of them are",
-        "rendered only where it is.",
+        "`gallery.json` says on which adapter. Names without an ending are samples, fetched or computed when they are first",
+        "named. Files are volumes of the data folder; pictures of them are rendered only where it is.",
     ]
     for title, (entries, what) in SECTIONS.items():
         lines += [
@@ -474,13 +565,6 @@ def read_records() -> dict[str, Any]:
         return {}
     records: dict[str, Any] = json.loads(RECORDS.read_text(encoding="utf-8"))
     return records
-
-
-def write(path: Path, text: str) -> None:
-    """Replace a file at once."""
-    temporary = path.with_suffix(".part")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(path)
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ def test_orders(benchmark_named, tmp_path):
     for rows in spiky.values():
         assert [row["step"] for row in rows] == [4, 2, 1, 0.5, 0.25]
         assert all(row["cpu_ms"]["median"] > 0 for row in rows)
-    assert spiky["pre-integrated"][2]["rmse"] < spiky["post-classified"][2]["rmse"]
+    assert spiky["pre-integrated, plain"][2]["rmse"] < spiky["post-classified"][2]["rmse"]
 
 
 def test_throughput(benchmark_named, tmp_path):
@@ -53,10 +53,26 @@ def test_labels(benchmark_named, tmp_path):
     assert all(row["opacities differ by"] < 1e-4 and row["labels"] > 1 for row in found["costs"])
 
 
+def test_gradients(benchmark_named, tmp_path):
+    found = run(benchmark_named("gradients"), tmp_path / "out.json")
+    ways = {row["way"]: row for row in found["ways"]}
+    assert ways["central"]["rmse x255"] < 0.5
+    assert ways["precomputed, float16"]["rmse x255"] < ways["quantised, dodecahedron 240"]["rmse x255"]
+    sets = {row["set"]: row["mean deg"] for row in found["directions"]}
+    assert sets["annealed 240"] < sets["spiral 240"] < sets["dodecahedron 240"]
+
+
 def test_surfaces(benchmark_named, tmp_path):
     found = run(benchmark_named("surfaces"), tmp_path / "out.json")
     assert {row["surfaces"] for row in found["rows"]} == {1, 10, 100}
     assert all(row["alpha_mean"] > 0 for row in found["rows"])
+
+
+def test_filters(benchmark_named, tmp_path):
+    found = run(benchmark_named("filters"), tmp_path / "out.json")
+    assert all(row["picture error"] < 1e-3 and row["value error"] < 1e-3 for row in found["rows"] if row["filter"] != "nearest")
+    spline = next(row for row in found["rows"] if row["filter"] == "B-spline, prefiltered")
+    assert spline["response"]["0.1"] > 0.99
 
 
 def test_cold_start(benchmark_named, tmp_path):
@@ -76,3 +92,17 @@ def test_table(benchmark_named):
     rows = [{"a": "x", "b": 1.5, "c": True}, {"a": "long", "b": None, "c": False}]
     lines = benchmark_named("common").table(rows).splitlines()
     assert lines == ["| a    |   b |   c |", "|------|----:|----:|", "| x    | 1.5 | yes |", "| long |   - |  no |"]
+
+
+def test_occlusion(benchmark_named, tmp_path):
+    found = run(benchmark_named("occlusion"), tmp_path / "out.json")
+    assert len(found["rows"]) == 3
+    assert all(0 < row["mean"] < 1.5 for row in found["rows"])
+    fewest, default = (next(row["error"] for row in found["rows"] if row["directions"] == n) for n in (16, 64))
+    assert default < fewest < 0.1
+
+
+def test_environments(benchmark_named, tmp_path):
+    found = run(benchmark_named("environments"), tmp_path / "out.json")
+    assert found["furnace"] <= 1e-3
+    assert all(row["max %"] < 20 for row in found["maps"])

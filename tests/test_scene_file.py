@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import airlight.io
-from airlight import scene_file, stages  # noqa: F401
+from airlight import scene_file, stages
+from airlight.environment import Environment
 from airlight.errors import AirlightError, DataError, FileError, ValueRangeError
 from airlight.labels import Labels, LabelStyle
 from airlight.scene import VIEWS, Camera, Layer, Light, Look, Scene
@@ -62,7 +63,17 @@ def opened(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> l
 
 finite = st.floats(-1e6, 1e6)
 vectors = st.tuples(finite, finite, finite)
-colours = st.tuples(*[st.floats(0, 100)] * 3)
+colours = st.tuples(*[st.floats(0, 16)] * 3)
+environments = st.builds(
+    lambda made, angle, axis: made.turned(angle, axis) if any(axis) else made,
+    st.one_of(
+        st.builds(Environment.white, colours),
+        st.builds(Environment.studio, key=st.floats(0, 100), rim=st.floats(0, 100)),
+        st.builds(Environment.sky, to_sun=st.tuples(*[st.floats(0.1, 1)] * 3), turbidity=st.floats(2, 9), ground=colours),
+    ),
+    st.floats(-10, 10),
+    st.tuples(*[st.floats(-1, 1)] * 3),
+)
 
 
 @st.composite
@@ -73,10 +84,12 @@ def values_of(draw: st.DrawFn, bounds: Any, hint: Any) -> Any:
     if type(None) in kinds and draw(st.booleans()):
         return None
     kind = next(k for k in kinds if k is not type(None))
+    if kind is Environment:
+        return draw(environments)
     if kind is bool:
         return draw(st.booleans())
     if kind is int:
-        return draw(st.integers(0, 64).filter(bounds.allows))
+        return draw(st.integers(int(bounds.at_least or 0), int(64 if bounds.up_to is None else min(bounds.up_to, 64))))
     if kind is str:
         return draw(st.text("abc", min_size=1))
     low = bounds.above if bounds.above is not None else bounds.at_least
@@ -87,9 +100,21 @@ def values_of(draw: st.DrawFn, bounds: Any, hint: Any) -> Any:
     return draw(st.tuples(*[number] * len(get_args(kind))).filter(bounds.allows))
 
 
+# Samples of kernels must make a filter.
+KERNELS: dict[type[Stage], list[Stage]] = {
+    stages.field.Kernel: [stages.field.Kernel(), stages.field.Kernel((0.0, 1.0, 0.0), 1)],
+    stages.field.KernelBody: [
+        stages.field.KernelBody(),
+        stages.field.KernelBody.of(lambda x, y, z: 1 / (1 + x * x + y * y + z * z), 1),
+    ],
+}
+
+
 @st.composite
 def stages_of(draw: st.DrawFn, slot: str) -> Stage:
     cls = draw(st.sampled_from(sorted(STAGES[slot].values(), key=lambda c: c.name)))
+    if cls in KERNELS:
+        return draw(st.sampled_from(KERNELS[cls]))
     hints = get_type_hints(cls, include_extras=True)
     return cls(**{f.name: draw(values_of(f.metadata["bounds"], hints[f.name])) for f in stage_fields(cls)})
 
@@ -198,7 +223,7 @@ scenes = st.builds(
     layers=st.lists(layers, min_size=1, max_size=3),
     camera=cameras(),
     lights=st.lists(lights(), max_size=3),
-    background=st.none() | colours,
+    background=st.none() | colours | environments,
 )
 
 
@@ -305,7 +330,7 @@ integrate = "mip"
         ("[[layers]]\nvolume='a.nrrd'\n[[layers]]\n\nvolume=3", r"scene.toml:5: layers\[1\].volume is 3, must be a table"),
         ("[[layers]]\ndensity = 1.0", r"layers\[0\].volume is missing"),
         ("[[layers]]\nvolume = {dataset='a'}", r"layers\[0\].volume.file is missing"),
-        ("[[layers]]\nvolume='a.nrrd'\ndensity = -1", r"scene.toml:1: layers\[0\]: layer.density is -1.0"),
+        ("[[layers]]\nvolume='a.nrrd'\ndensity = -1", r"scene.toml:1: layers\[0\]: layer.density is -1.0, must be at least 0"),
         ("[[layers]]\nvolume='a.nrrd'\nvisible = 1", r"scene.toml:3: layers\[0\].visible is 1, must be true or false"),
         ("[[layers]]\nvolume='a.nrrd'\nchannel = 5", r"layers\[0\]: channel is 5, must lie in 0 to 1"),
         ("[[layers]]\nvolume='a.nrrd'\nlook.shade = 'x'", r"scene.toml:3: layers\[0\].look.shade: shade is 'x', .*--plugin"),
@@ -323,17 +348,29 @@ integrate = "mip"
         ("[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\npoints=[[1,2]]", r"scene.toml:4: .*transfer.points\[0\] is"),
         (
             "[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\npoints=[['a','red',0]]",
-            r"scene.toml:4: .*points\[0\] has value 'a', must be a number",
+            r"scene.toml:4: .*points\[0\].value is 'a', must be a finite number",
         ),
         ("[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\npoints=3", r"scene.toml:4: .*points is 3"),
         ("[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\nchannels=3", r"scene.toml:4: .*channels is 3: .*list of tables"),
         (
             "[[layers]]\nvolume='a.nrrd'\n[[layers.transfer.channels]]\nchannel=0",
-            r"layers\[0\].transfer.channels: transfer.channels\[0\] has the entries \['channel'\]",
+            r"scene.toml:3: layers\[0\].transfer.channels\[0\] has the entries \['channel'\]",
         ),
         (
             "[[layers]]\nvolume='a.nrrd'\n[[layers.transfer.channels]]\nchannel=0\ntransfer.points=[[1,'red',-1]]",
-            r"transfer.channels\[0\]: transfer.points\[0\] has extinction -1.0",
+            r"scene.toml:5: layers\[0\].transfer.channels\[0\]: transfer.points\[0\].extinction is -1",
+        ),
+        (
+            "[[layers]]\nvolume='a.nrrd'\n[[layers.transfer.channels]]\nchannel=0\ndensity=-1\ntransfer={points=[[1,'red',1]]}",
+            r"scene.toml:4: layers\[0\].transfer.channels\[0\]: channel 0: density is -1",
+        ),
+        (
+            "[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\naxes=[\n{variable='value', low=0, high=1},\n{low=0}]",
+            r"scene.toml:6: layers\[0\].transfer.axes\[1\] axis has entries \['low'\]",
+        ),
+        (
+            "[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\npoints=[[0,'red',1]]\nsurfaces=[\n{value=1},\n{value=2,opacity=3}]",
+            r"scene.toml:7: layers\[0\].transfer.surfaces\[1\].opacity is 3",
         ),
         (
             "[[layers]]\nvolume='a.nrrd'\n[layers.transfer]\npoints=[]\naxes=[{variable='value'}]",
@@ -356,7 +393,7 @@ integrate = "mip"
         ),
         ("format=2\n[[layers]]\nvolume='a.nrrd'", r"scene.toml:1: format is 2"),
         ("", r"scene.layers is empty"),
-        ("[[layers]\n", r"scene.toml is no sound file \(.*line 1"),
+        ("[[layers]\n", r"scene.toml is no sound TOML \(.*line 1"),
     ],
 )
 def test_errors_name_file_line_and_key(text: str, message: str, tmp_path: Path) -> None:
@@ -426,6 +463,21 @@ def test_transfer_functions_in_files(tmp_path: Path) -> None:
     (tmp_path / "bad.json").write_text("[1]")
     with pytest.raises(FileError, match="must be a table"):
         scene_file.load_transfer(tmp_path / "bad.json")
+
+
+@pytest.mark.parametrize(
+    "load", [scene_file.load_scene, scene_file.load_transfer, TransferFunction.load, airlight.Channels.load]
+)
+def test_text_without_end_is_refused(load: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scene file may come from anywhere, and may be a device that never ends."""
+    path = tmp_path / "long.toml"
+    path.write_text("# " + 100 * "x")
+    monkeypatch.setattr("airlight.files.MOST_TEXT_BYTES", 101)
+    with pytest.raises(airlight.LimitError, match=r"long.toml holds more than 101 bytes"):
+        load(path)
+    with pytest.raises(airlight.LimitError, match=r"long.toml would hold more than 101 bytes"):
+        TransferFunction([(0, "red", 1)]).save(path)
+    assert path.read_text() == "# " + 100 * "x"
 
 
 def test_labels_by_hand(tmp_path: Path) -> None:

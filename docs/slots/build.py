@@ -68,13 +68,15 @@ def stage_rows(name: str, cls: type[Stage]) -> list[tuple[str, ...]]:
     summary = (inspect.getdoc(cls) or "").partition("\n\n")[0].replace("\n", " ")
     rows: list[tuple[str, ...]] = [(f"`{name}`", f"`{cls.__name__}`", "", "", "", summary)]
     for field in stage_fields(cls):
-        changes = "" if field.metadata["kind"] == "param" else " (links another program)"
+        changes = "" if field.metadata["kind"] != "static" else " (links another program)"
         meaning = field.metadata["help"] + changes
         rows.append(("", "", f"`{field.name}`", f"`{field.default!r}`", _allowed(field), meaning))
     return rows
 
 
 def _allowed(field: dataclasses.Field[Any]) -> str:
+    if field.metadata["kind"] == "value":
+        return f"`al.{type(field.default).__name__}`"
     bounds, unit = field.metadata["bounds"], field.metadata["unit"]
     if bounds.choices:
         return ", ".join(f"`{choice}`" for choice in bounds.choices)

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .api import devices, edit, explain, render, warm_up
+from .api import devices, edit, explain, relight, render, warm_up
+from .environment import Environment
 from .errors import (
     AirlightError,
     DataError,
@@ -51,6 +52,7 @@ __all__ = [
     "Channels",
     "DataError",
     "DeviceError",
+    "Environment",
     "FileError",
     "Image",
     "JointFunction",
@@ -95,6 +97,7 @@ __all__ = [
     "presets",
     "reference",
     "register",
+    "relight",
     "render",
     "samples",
     "save",

@@ -28,6 +28,7 @@ def render(
     driver: str | Stage = "march",
     step: float = 1.0,
     skip: str = "auto",
+    keep_hits: bool = False,
     device: str | int | None = None,
     progress: Progress | None = None,
 ) -> Image:
@@ -47,6 +48,8 @@ def render(
         Distance between samples, in smallest voxel spacings.
     skip
         How empty space is skipped; never changes the image.
+    keep_hits
+        Keep what was found at surfaces (``first_hit``): ``image.normal``, and what ``relight`` needs.
     device
         Number, kind or part of the name of an adapter; None takes the best.
     progress
@@ -74,7 +77,42 @@ def render(
 
     check_size(size)
     scene = as_scene(what, size, progress)
-    return shared(device).render(scene, size, driver=driver, step=step, skip=skip, progress=progress)
+    return shared(device).render(scene, size, driver=driver, step=step, skip=skip, keep_hits=keep_hits, progress=progress)
+
+
+def relight(image: Image, scene: Scene, *, device: str | int | None = None, progress: Progress | None = None) -> Image:
+    """Light the surfaces of an image again, without another march.
+
+    Lights, shade, lighting, visibility, colours of the transfer function, tone and background may be others than those with
+    which the image was drawn; the result is that of drawing the scene anew.
+
+    Parameters
+    ----------
+    image
+        An image that was drawn with ``keep_hits=True``.
+    scene
+        The scene with its changes.
+    device, progress
+        As for ``render``.
+
+    Raises
+    ------
+    DataError
+        When the image has kept no surfaces, or the scene's lie elsewhere.
+
+    Examples
+    --------
+    >>> import airlight as al
+    >>> volume = al.samples.load("vortex", size=32)
+    >>> look = al.Look(integrate=al.integrate.FirstHit(iso=2.0))
+    >>> tf = al.TransferFunction([(0, "white", 0), (3, "white", 1)])
+    >>> image = al.render(al.Scene(volume, transfer=tf, camera="iso", look=look), (64, 64), keep_hits=True)
+    >>> lamp = al.Light.directional(to_light=(1, 0, 0))
+    >>> again = al.relight(image, al.Scene(volume, transfer=tf, camera="iso", look=look, lights=[lamp]))
+    """
+    from .rendering.renderer import shared
+
+    return shared(device).relight(image, scene, progress=progress)
 
 
 def check_size(size: Any) -> None:

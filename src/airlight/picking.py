@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from numbers import Integral
 from typing import TYPE_CHECKING
 
-from .errors import ValueRangeError
+from .errors import DataError, ValueRangeError
 from .first_picture import resolved_camera
 from .scene import Scene
 
@@ -30,7 +31,9 @@ def pick(image: Image, scene: Scene, pixel: tuple[int, int]) -> tuple[float, flo
     Raises
     ------
     ValueRangeError
-        For pixels that lie outside of the image.
+        For pixels that lie outside of the image or between its pixels.
+    DataError
+        When there is no image to look at.
     StageError
         When only the device knows the camera's rays.
 
@@ -39,10 +42,15 @@ def pick(image: Image, scene: Scene, pixel: tuple[int, int]) -> tuple[float, flo
     >>> import airlight as al
     >>> scene = al.first_picture(al.samples.load("hydrogen", size=32))
     >>> point = al.pick(al.render(scene, (64, 64)), scene, (32, 32))
+    >>> value = scene.layers[0].volume.value_at(point)
     >>> function = al.automatic.peak_at(scene.layers[0].volume, point)
     """
+    if not hasattr(image, "depth"):
+        raise DataError("image", f"is a {type(image).__name__}", "pass what airlight.render returned, then the scene")
     width, height = image.size
     column, row = pixel
+    if not (isinstance(column, Integral) and isinstance(row, Integral)):
+        raise ValueRangeError("pixel", f"is {(column, row)}, must be a whole column and row")
     if not (0 <= column < width and 0 <= row < height):
         raise ValueRangeError("pixel", f"is {(column, row)}, must lie in the image of {width} x {height}")
     depth = float(image.depth[row, column])

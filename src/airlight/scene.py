@@ -6,25 +6,27 @@ import math
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from . import stages
+from .environment import Environment
 from .errors import DataError, StageError, ValueRangeError
 from .labels import Labels
 from .stage import Stage, make_stage
 from .stages.camera import Camera
 from .stages.field import Field
 from .stages.field_labels import Occupancy, are_alone
+from .stages.gradient import Gradient
 from .stages.shade import Shade
 from .stages.transfer import Transfer
 from .transfer import TransferFunction, linear_rgb
 from .transfer.channels import Channels
-from .transfer.colour import Colour
-from .transfer.given import finite, whole
+from .transfer.colour import MOST_COLOUR, Colour
+from .transfer.given import not_negative, set_fields, whole
 from .transfer.joint import JointFunction
-from .transfer.joint_axes import set_fields
 from .transfer.kinds import AnyFunction, DrawnFunction, as_function, channels_of, drawn_function
 from .volume import FloatArray, Volume, statistics
 
@@ -195,15 +197,16 @@ class Layer:
             raise DataError("scene", f"got the path {str(self.volume)!r}", "pass airlight.open(path)")
         if not isinstance(self.volume, Volume):
             object.__setattr__(self, "volume", Volume(self.volume))
-        density = finite(self.density, "layer.density")
-        if density < 0:
-            raise ValueRangeError("layer.density", f"is {density}, must be finite and at least 0")
+        density = not_negative(self.density, "layer.density")
         channel = self.channel if isinstance(self.channel, str) else whole(self.channel, "layer.channel", 0)
         set_fields(self, density=density, channel=channel, time=whole(self.time, "layer.time", 0))
         object.__setattr__(self, "transfer", as_function(self.transfer))
         if self.transfer is not None and not isinstance(self.transfer, AnyFunction):
             found = f"is a {type(self.transfer).__name__}"
-            raise DataError("layer.transfer", found, "pass a TransferFunction, JointFunction or Channels")
+            remedy = "pass a TransferFunction, JointFunction or Channels"
+            if isinstance(self.transfer, str):
+                remedy += "; a preset is airlight.transfer.presets.get(name, volume)"
+            raise DataError("layer.transfer", found, remedy)
         if not isinstance(self.look, Look):
             raise DataError("layer.look", f"is a {type(self.look).__name__}", "pass an airlight.Look")
         if self.labels is not None and not isinstance(self.labels, Labels):
@@ -214,12 +217,13 @@ class Layer:
                 object.__setattr__(self, "labels", self.labels.hide(self.labels.background))
         self.volume.grid(self.channel, self.time)
 
-    @property
+    @cached_property
     def function(self) -> DrawnFunction:
         """The transfer function as it is drawn, with the layer's density and those of its labels; there must be one."""
         assert self.transfer is not None
-        function = drawn_function(self.transfer, self.density)
-        return function if self.labels is None else self.labels.beside(function, self.density)
+        density = self.density * getattr(self.look.integrate, "thinned", 1.0)
+        function = drawn_function(self.transfer, density)
+        return function if self.labels is None else self.labels.beside(function, density)
 
     @property
     def channels(self) -> tuple[int, ...]:
@@ -240,6 +244,8 @@ class Layer:
         self._check_integrate(chosen["integrate"])
         if isinstance(transfer, Transfer):
             chosen["transfer"] = transfer = transfer.for_function(self.function)
+            if getattr(chosen["lighting"], "splits_slabs", False):
+                chosen["transfer"] = transfer.splitting()
             if transfer.uses_gradient(self.function):
                 chosen["gradient"] = self.look.gradient
         if are_alone(self.labels, self.volume):
@@ -249,6 +255,8 @@ class Layer:
             some_empty = any(statistics(self.volume, channel, self.time).empty for channel in self.channels)
             field = field.for_empty() if some_empty and not field.masked else field
             chosen = field.arranged(chosen)
+        if isinstance(chosen["gradient"], Gradient):
+            chosen = chosen["gradient"].arranged(chosen)
         return chosen | {"region": stages.region.for_labels(self.labels, self.function, chosen)}
 
     def _check_integrate(self, integrate: Stage) -> None:
@@ -271,7 +279,7 @@ class Scene:
     Parameters
     ----------
     volume
-        Short for ``layers=[Layer(volume, transfer=..., look=..., channel=..., time=...)]``.
+        Short for ``layers=[Layer(volume, transfer=..., ...)]``, with all that a ``Layer`` takes.
     layers
         What is drawn.
     camera
@@ -279,13 +287,14 @@ class Scene:
     lights
         Lights; None is one head light.
     background
-        Colour that lies behind the finished image; None is transparent.
+        Colour that lies behind the finished image; None is transparent. An ``Environment`` is seen behind the layers as part of
+        the scene: the tone stage maps it, too, and the image is opaque.
     """
 
     layers: tuple[Layer, ...]
     camera: Camera | str
     lights: tuple[Light, ...]
-    background: Vector | None
+    background: Vector | Environment | None
 
     def __init__(
         self,
@@ -294,24 +303,32 @@ class Scene:
         layers: Iterable[Layer] | None = None,
         transfer: AnyFunction | Sequence[TransferFunction] | None = None,
         look: Look | None = None,
-        channel: int | str = 0,
-        time: int = 0,
+        labels: Any = None,
+        visible: bool | None = None,
+        density: float | None = None,
+        channel: int | str | None = None,
+        time: int | None = None,
         camera: Camera | str = "front",
         lights: Iterable[Light] | None = None,
-        background: Colour | None = (0.0, 0.0, 0.0),
+        background: Colour | Environment | None = (0.0, 0.0, 0.0),
     ) -> None:
         if (volume is None) == (layers is None):
             raise DataError("scene", "needs either a volume or layers", "pass one of them")
+        optional: dict[str, Any] = {"transfer": transfer, "look": look, "labels": labels, "visible": visible}
+        optional |= {"density": density, "channel": channel, "time": time}
+        given = {name: value for name, value in optional.items() if value is not None}
         if layers is None:
-            layers = [Layer(volume, as_function(transfer), look or Look(), channel=channel, time=time)]
-        elif transfer is not None or look is not None or channel != 0 or time != 0:
-            raise DataError("scene", "got layers beside transfer, look, channel or time", "give these to the layers")
+            layers = [Layer(volume, **given)]
+        elif given:
+            raise DataError("scene", f"got layers beside {' and '.join(given)}", "give it to the layers")
         if isinstance(camera, str) and camera not in VIEWS:
             raise ValueRangeError("scene.camera", f"is {camera!r}, must be a Camera or one of {', '.join(VIEWS)}")
         object.__setattr__(self, "layers", tuple(layers))
         object.__setattr__(self, "camera", camera)
         object.__setattr__(self, "lights", (Light.head(),) if lights is None else tuple(lights))
-        object.__setattr__(self, "background", None if background is None else linear_rgb(background, "scene.background"))
+        if background is not None and not isinstance(background, Environment):
+            background = linear_rgb(background, "scene.background", MOST_COLOUR)
+        object.__setattr__(self, "background", background)
         for light in self.lights:
             if not isinstance(light, Light):
                 raise DataError("scene.lights", f"holds {light!r}", "make lights with Light.head(), .directional() or .point()")

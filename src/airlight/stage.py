@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import numbers
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, get_args, get_type_hints
@@ -96,6 +96,11 @@ def static(default: Any, *, choices: tuple[str, ...] = (), help: str = "") -> An
     )
 
 
+def value(default: Any, *, help: str = "") -> Any:
+    """Field of a stage that is a value of its own, of which uniforms and resources are made; its class checks it."""
+    return dataclasses.field(default=default, metadata={"kind": "value", "unit": "", "bounds": Bounds(), "help": help})
+
+
 # -- what a stage asks of the device
 
 
@@ -128,7 +133,8 @@ class Grid:
     """Samples of channels at one time step as a 3-D texture.
 
     Several channels lie four to a texel, groups of four one behind the other along z. ``filtered`` when the sampler
-    interpolates; ``masked`` when empty samples are marked by ``EMPTY``, in 32-bit floats.
+    interpolates; ``masked`` when empty samples are marked by ``EMPTY``, in 32-bit floats; ``levels`` when the texture has all
+    coarser levels of means, of one channel.
     """
 
     volume: Volume
@@ -136,13 +142,38 @@ class Grid:
     time: int
     filtered: bool
     masked: bool = False
+    levels: bool = False
+
+
+@dataclass(frozen=True)
+class GradientEncoding:
+    """How gradients and values lie in texels: ``gradient = xyz * scale``, ``value = w * value_scale + value_offset``.
+
+    Gradients longer than ``longest * scale`` are cut to that length. With ``value_scale`` 0 no values are kept.
+    """
+
+    scale: F32 = param(1.0, unit="data/world")
+    longest: F32 = param(6e4)
+    value_scale: F32 = param(0.0, unit="data")
+    value_offset: F32 = param(0.0, unit="data")
 
 
 @dataclass(frozen=True)
 class GradientGrid:
-    """Gradients at all voxels as a 3-D texture, made on the device by the gradient stage ``method``."""
+    """Gradients at all voxels as a 3-D texture, made on the device by the gradient stage ``method``.
+
+    Values beside them are those of which gradients are taken. ``reader`` is the field at the voxels; None is the layer's own.
+    """
 
     method: Stage
+    format: str
+    encoding: GradientEncoding
+    reader: Stage | None = None
+
+    @property
+    def texel_format(self) -> str:
+        """Format of the texture."""
+        return {"float16": "rgba16float", "snorm8": "rgba8snorm"}[self.format]
 
 
 @dataclass(frozen=True)
@@ -169,7 +200,86 @@ class LabelCells:
     numbers: LabelNumbers
 
 
-Resource = Table | SlabTable | Grid | GradientGrid | ClassifiedGrid | LabelCells
+@dataclass(frozen=True)
+class BlockRanges:
+    """The least and the greatest value of a field in each block of ``BLOCK_VOXELS`` a side, made on the device.
+
+    ``reader`` reads the samples of the grid; the field reaches ``reach`` voxels beyond a block's faces, and leaves the range of
+    its samples by ``overshoot`` times that range.
+    """
+
+    grid: Grid
+    reader: Stage
+    reach: int
+    overshoot: float
+
+
+@dataclass(frozen=True)
+class BlockLeaps:
+    """How far rays may leap from each block over blocks without a value in the closed intervals ``wanted``, as a 3-D texture.
+
+    WGSL: ``package::blocks`` and ``slot::blocks::leap_of``.
+    """
+
+    ranges: BlockRanges
+    wanted: tuple[tuple[float, float], ...]
+
+
+BLOCK_VOXELS = 4
+
+
+@dataclass(frozen=True)
+class OpennessGrid:
+    """Share of light from all directions that reaches cells of voxels, as a 3-D texture that the sampler interpolates.
+
+    ``cells`` of them along x, y and z, of ``block`` voxels each, with a mean side ``cell_world``. Made on the device by the
+    layer's stages; see ``wgsl/passes/occluders.wgsl`` and ``openness.wgsl``.
+    """
+
+    cells: tuple[int, int, int]
+    block: tuple[int, int, int]
+    cell_world: float
+    radius_world: float
+    directions: int
+
+
+@dataclass(frozen=True)
+class DirectionGrid:
+    """Number of the direction, in a ``Table`` of normals, that is nearest to that of each voxel, four along x to a texel.
+
+    Numbers count from 1; 0 is a gradient too weak to mean a surface. Made on the device by the layer's field and gradient.
+    """
+
+    normals: Table
+
+    @property
+    def bits(self) -> int:
+        """Bits of a number: 8 as long as they suffice."""
+        return 8 if self.normals.texels.shape[2] < 256 else 16
+
+
+@dataclass(frozen=True)
+class LitDirections:
+    """How each direction of a ``Table`` of normals is lit in this frame; to WGSL a ``Table`` of diffuse and specular light."""
+
+    normals: Table
+
+
+Resource = (
+    Table
+    | SlabTable
+    | Grid
+    | GradientGrid
+    | ClassifiedGrid
+    | LabelCells
+    | BlockLeaps
+    | OpennessGrid
+    | DirectionGrid
+    | LitDirections
+)
+
+
+Estimate = float | Callable[[], float]
 
 
 @dataclass(frozen=True)
@@ -183,6 +293,7 @@ class Context:
     step_world: float
     size_px: tuple[int, int]
     labels: Labels | None = None
+    camera: Any = None
 
     @property
     def channel(self) -> int:
@@ -221,7 +332,7 @@ class Stage:
             kind = _kind_of(hints[field.name])
             if kind and not (value is None and _is_optional(hints[field.name])) and not _fits(value, kind):
                 raise ValueRangeError(f"{self.slot}.{self.name}.{field.name}", f"is {value!r}, must be {_KINDS[kind]}")
-            if not bounds.allows(value):
+            if field.metadata["kind"] != "value" and not bounds.allows(value):
                 raise ValueRangeError(f"{self.slot}.{self.name}.{field.name}", f"is {value!r}, {bounds}")
 
     def uniforms(self, context: Context) -> Any:
@@ -232,8 +343,11 @@ class Stage:
         """Return textures and tables by the names under which WGSL imports them."""
         return {}
 
-    def errors(self, context: Context) -> dict[str, float]:
-        """Return the approximations that the stage makes, by what they are of, for ``image.stats``."""
+    def errors(self, context: Context) -> Mapping[str, Estimate]:
+        """Return the approximations that the stage makes, by what they are of, for ``image.stats``.
+
+        What takes time is given as a function, which holds no volume: it is called when somebody reads the number.
+        """
         return {}
 
     def variant(self, context: Context) -> dict[str, bool]:
@@ -348,7 +462,7 @@ SLOTS: dict[str, Slot] = {
                 "field_value": "fn(Place) -> Values",
                 "extent": "fn(Place, vec3f) -> f32",
             },
-            {"field_scalar": "fn(Place) -> f32"},
+            {"field_scalar": "fn(Place) -> f32", "field_derivative": "fn(Place) -> vec3f"},
             per_layer=True,
             help="The continuous function that reconstruction makes of the samples.",
         ),
@@ -364,8 +478,7 @@ SLOTS: dict[str, Slot] = {
             {
                 "next_crossing": "fn(Sample, Sample, f32) -> f32",
                 "empty_slab": "fn(Sample, Sample) -> bool",
-                "lit_share": "fn(Sample, Sample, Slab) -> f32",
-                "opacity_share": "fn(Values, Values, f32, f32, f32) -> f32",
+                "opacity_share": "fn(Sample, Sample, f32, f32, f32) -> f32",
                 "Known": "struct",
                 "know": "fn(Sample) -> Known",
                 "know_empty": "fn(Sample) -> Known",
@@ -402,6 +515,12 @@ SLOTS: dict[str, Slot] = {
         Slot(
             "lighting",
             {"light_slab": "fn(Sample, Sample, Slab, Ray) -> vec3f"},
+            {
+                "LitEnd": "struct",
+                "know_light": "fn(Sample, Ray) -> LitEnd",
+                "light_known": "fn(Sample, LitEnd, Sample, LitEnd, Slab, Ray) -> vec3f",
+            },
+            defaults={"LitEnd": "lit_end", "know_light": "lit_end", "light_known": "lit_end"},
             per_layer=True,
             help="Where within a slab light is evaluated.",
         ),
@@ -412,8 +531,18 @@ SLOTS: dict[str, Slot] = {
                 "take": "fn(ptr<function, Accumulated>, Sample, Sample, Slab, vec3f, f32) -> bool",
                 "finish": "fn(Accumulated) -> Result",
             },
-            {"surface": "fn(Sample, Sample) -> f32"},
+            {
+                "surface": "fn(Sample, Sample) -> f32",
+                "level": "fn(Sample, Sample) -> f32",
+                "surface_rgb": "fn(Sample, Sample, vec3f) -> vec3f",
+            },
+            defaults={"level": "surface", "surface_rgb": "surface"},
             help="What becomes of the slabs along a ray.",
+        ),
+        Slot(
+            "background",
+            {"behind": "fn(Ray) -> vec3f"},
+            help="What is seen behind all layers, as part of the scene.",
         ),
         Slot(
             "tone",

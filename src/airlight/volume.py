@@ -86,7 +86,7 @@ class Volume:
         if foreign is not None:
             if spacing is not None or origin is not None or world_from_index is not None:
                 raise DataError(where, "got a geometry beside an image that has its own", "give one of them")
-            array, world_from_index = foreign.array, foreign.world_from_index
+            array, world_from_index = unmistakable(foreign.array), foreign.world_from_index
             units, anatomical = units or foreign.units, anatomical or foreign.anatomical
         data = _checked_array(array, where)
         if world_from_index is not None and (spacing is not None or origin is not None):
@@ -182,6 +182,32 @@ class Volume:
         if array.ndim == 4:
             array = array[c]
         return array
+
+    def value_at(
+        self, p_world: npt.ArrayLike, *, channel: int | str = 0, time: int = 0, field: str = "linear"
+    ) -> float | FloatArray:
+        """Value at a point (x, y, z) of the world, or values (...) at points (..., 3); NaN outside and where data are empty.
+
+        Parameters
+        ----------
+        p_world
+            Where, e.g. what ``airlight.pick`` returned.
+        channel, time
+            Of which channel, by number or name, and time step.
+        field
+            ``"linear"``: interpolated between voxel centres; ``"nearest"``: the voxel's own, out to its faces.
+
+        Raises
+        ------
+        ValueRangeError
+            For other fields, and what is no point.
+        DataError
+            For channels and times that the volume does not have.
+        """
+        from .probing import value_at
+
+        found = value_at(self, p_world, channel, time, field)
+        return float(found) if found.ndim == 0 else found
 
     @cached_property
     def digest(self) -> str:
@@ -365,13 +391,22 @@ def _checked_affine(matrix: npt.ArrayLike, where: str) -> FloatArray:
     return checked
 
 
+def unmistakable(array: AnyArray) -> AnyArray:
+    """Array whose axes are told: with one time step in front where three or four voxels would be taken for colours."""
+    return array[None] if _seems_colours_last(array) else array
+
+
+def _seems_colours_last(array: AnyArray) -> bool:
+    return array.ndim == 4 and array.shape[-1] in (3, 4) and min(array.shape[:3]) > array.shape[-1]
+
+
 def _checked_array(array: Any, where: str) -> AnyArray:
     data = np.asarray(array)
     if data.dtype.kind == "c":
         raise DataError(where, f"is complex ({data.dtype})", "pass abs(array) or np.angle(array)")
     if data.dtype.kind not in "biuf" or data.dtype.itemsize > 8:
         raise DataError(where, f"has dtype {data.dtype}", "use bool, integers, float16, float32 or float64")
-    if data.ndim == 4 and data.shape[-1] in (3, 4) and min(data.shape[:3]) > data.shape[-1]:
+    if _seems_colours_last(data):
         raise DataError(where, f"has shape {data.shape}, colours last", "pass np.moveaxis(array, -1, 0) to draw the channels")
     if data.ndim not in AXES:
         raise DataError(where, f"has {data.ndim} dimensions", f"pass one of {', '.join(AXES.values())}")

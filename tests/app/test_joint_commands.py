@@ -43,16 +43,42 @@ def test_a_histogram_is_drawn(volume_file: str, tmp_path: Path, capsys: pytest.C
     assert not (pixels(plain)[18:530, 76:588, 0] > pixels(plain)[18:530, 76:588, 2] + 60).any()
 
 
+def test_one_variable_is_drawn_as_bars_with_a_function_over_them(volume_file: str, tmp_path: Path) -> None:
+    bars, over = tmp_path / "bars.png", tmp_path / "over.png"
+    assert cli.main(["histogram", volume_file, "-o", str(bars), "--variables", "value"]) == 0
+    assert cli.main(["histogram", volume_file, "-o", str(over), "--tf", "0:red:0 1000:red:1"]) == 0
+    assert ((pixels(over) != pixels(bars)).any(axis=-1)).mean() > 0.1
+
+
+def test_functions_that_do_not_go_with_the_data_or_the_option_are_told(
+    volume_file: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = str(tmp_path / "a.png")
+    axes = [al.joint.Axis(n, 0, 100) for n in (0, 1, 2)]
+    al.JointFunction(axes, [al.joint.Box((1, 1, 1), (9, 9, 9))]).save(tmp_path / "three.toml")
+    assert cli.main(["render", volume_file, "-o", out, "--tf", str(tmp_path / "three.toml")]) == cli.USAGE_ERROR
+    assert "transfer.axes[2] is channel 2; the volume has 2 channels, 0 to 1 (in, out)" in capsys.readouterr().err
+    al.save(al.Volume(np.zeros((4, 4, 4), dtype=np.uint8), modality="labels"), tmp_path / "flat.nrrd")
+    assert cli.main(["render", str(tmp_path / "flat.nrrd"), "-o", out, "--auto", "boundaries"]) == cli.USAGE_ERROR
+    told = capsys.readouterr().err
+    assert "--auto boundaries finds nothing: volume 'flat.nrrd' shows no boundary between materials" in told
+    assert "threshold" not in told
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (["-o", "a.jpg"], "a.jpg is no PNG file"),
         (["-o", "absent/a.png"], "its folder is not there"),
-        (["-o", "a.png", "--variables", "value"], r"variables are ['value']: give two or three"),
+        (["-o", "a.png", "--variables", "value,1,in,out"], "give one, two or three"),
+        (
+            ["-o", "a.png", "--variables", "value,secnd"],
+            "the volume has 2 channels, 0 to 1 (in, out): use value, gradient, second or one of its channels",
+        ),
         (["-o", "a.png", "--variables", "value,"], "--variables is 'value,'"),
         (["-o", "a.png", "--variables", "value,flair"], "flair"),
         (["-o", "a.png", "--bins", "1"], "bins is 1, must lie in [2, 4096]"),
-        (["-o", "a.png", "--tf", "0:red:1"], "--tf is a TransferFunction"),
+        (["-o", "a.png", "--variables", "value,7"], "--variables is channel 7; the volume has 2 channels"),
     ],
 )
 def test_mistakes(

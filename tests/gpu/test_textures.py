@@ -10,7 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from airlight.gpu.textures import choose_encoding, encode
+import airlight as al
+from airlight.gpu.textures import choose_encoding, encode, encode_masked, encodings_of
+from airlight.stage import Grid
 
 
 def device(kind="discrete", unorm16=True, float32=True):
@@ -84,3 +86,26 @@ def test_ct_as_half_floats_keeps_every_level():
     encoding = choose_encoding(samples.dtype, -1024, 3071, filtered=True, device=where)
     assert encoding.error == 0
     assert np.array_equal(encode(samples, encoding).astype(np.float64) + encoding.offset, samples)
+
+
+@pytest.mark.parametrize(
+    ("dtype", "high"), [("f4", 1e6), ("f8", 3e6), ("i4", 1 << 24), ("i4", (1 << 28) + 1), ("u2", 65535), ("u8", 1 << 40)]
+)
+def test_what_is_lost_beside_empty_samples_is_in_data_units(dtype, high):
+    array = (np.linspace(0, 1, 27) * float(high)).astype(dtype).reshape(3, 3, 3)
+    volume = al.Volume(array, no_data=0)
+    (encoding,) = encodings_of(device(), Grid(volume, (0,), 0, filtered=False, masked=True))
+    decoded = encode_masked(array, 0).astype(np.float64)[array != 0]
+    lost = np.abs(decoded - array[array != 0].astype(np.float64)).max()
+    assert lost <= encoding.error
+    assert (encoding.error == 0) == (dtype in ("f4", "u2") or (high <= 1 << 24 and dtype == "i4"))
+    assert encoding.error <= high * 2.0**-24
+
+
+def test_each_channel_has_its_own_range():
+    array = np.stack([np.linspace(0, 1, 27), np.linspace(9e5, 1e6, 27)]).astype("f4").reshape(2, 3, 3, 3)
+    one, two = encodings_of(device(unorm16=False, float32=False), Grid(al.Volume(array), (0, 1), 0, filtered=True))
+    assert one.format == two.format == "rg16float"
+    assert (one.offset, one.scale) == (0.5, 0.5)
+    assert two.scale == pytest.approx(5e4)
+    assert one.error == 2.0**-13

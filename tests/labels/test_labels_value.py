@@ -13,7 +13,7 @@ from airlight.gpu.labels import label_cells
 from airlight.labels import dense, label_numbers, styles_table
 from airlight.labels.names import read_label_table
 from airlight.labels.ranges import ids_to_text, text_to_ids
-from airlight.labels.style import distinct_colours
+from airlight.labels.style import distinct_colours, vivid
 
 TF = al.TransferFunction([(0, "white", 0), (1, "white", 1)])
 DTYPES = ["bool", "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64"]
@@ -139,12 +139,31 @@ def test_sets_of_labels():
     bright = labels.highlight(7, fade=0.25)
     assert [bright.opacity_of(n) for n in (0, 3, 7)] == [0.25, 0.25, 1]
     assert len(set(bright.tint_of(3))) == 1
-    assert bright.tint_of(7) == labels.tint_of(7)
+    assert bright.tint_of(7) == pytest.approx(vivid(np.array(labels.tint_of(7))))
     assert bright.highlight(()).opacity_of(3) == 1
     assert labels.name_of(3) == "liver"
     assert labels.name_of(9) == "9"
     assert labels == al.Labels(labels.volume, names={7: "spleen", 3: "liver"})
     assert hash(labels) == hash(al.Labels(labels.volume, names={7: "spleen", 3: "liver"}))
+
+
+def test_what_is_highlighted_is_pure_and_bright_and_the_rest_all_but_clear():
+    styles = {1: "#804040", 3: "white", 7: (0.2, 0.2, 0.2), 9: al.LabelStyle("black", transfer=TF)}
+    bright = al.Labels(volume(), styles).highlight([1, 3, 7, 9])
+    red, green, blue = bright.tint_of(1)
+    assert red == 1
+    assert green == blue < 0.1
+    assert bright.tint_of(3) == bright.tint_of(7) == (1, 1, 1)  # grey has no hue
+    assert bright.tint_of(9) == (0, 0, 0)
+    assert bright.opacity_of(1) == 1
+    # Through a head of optical depth 160, as the presets make it, nine tenths of what stands out in it are seen.
+    assert np.exp(-160 * bright.opacity_of(0)) > 0.9
+    # Order of the components, and so the hue, stays.
+    colours = distinct_colours(np.arange(3000))
+    pure = vivid(colours)
+    assert np.array_equal(np.argsort(pure, axis=1), np.argsort(colours, axis=1))
+    assert pure.max(axis=1) == pytest.approx(np.ones(3000))
+    assert (pure.min(axis=1) < 0.15).all()
 
 
 def test_changed_styles_keep_what_is_not_given():

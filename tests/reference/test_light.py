@@ -14,6 +14,7 @@ from airlight.reference.shade import automatic_threshold, blinn_phong
 from airlight.scene import Light, Look
 from airlight.stage import Context
 from airlight.stages.integrate import FirstHit
+from airlight.stages.lighting import Sampled
 from airlight.stages.shade import BlinnPhong
 from airlight.stages.shade import automatic_threshold as stage_threshold
 from airlight.volume import Volume
@@ -132,14 +133,15 @@ def test_lit_medium(associated):
     assert rgba[3] == pytest.approx(alpha)
 
 
-def test_light_is_evaluated_in_the_middle_of_a_slab():
+def test_light_may_be_evaluated_in_the_middle_of_a_slab():
     # Slopes half-way between samples: 0, 0, 1/4, 3/4, 1, 1.
     values = np.array([0.0, 0, 0, 0, 1, 2, 3])
     volume = Volume(np.broadcast_to(values[:, None, None], (7, 3, 3)))
     stage = BlinnPhong(ambient=0, diffuse=1, specular=0, gradient_threshold=0.4)
-    rgba = reference.render(scene(volume, constant(0.1), shade=stage), ONE).rgba[0, 0]
-    # The middles at 3.5, 4.5 and 5.5 are lit: slabs 3-4, 4-5 and 5-6 shine.
-    assert rgba[0] == pytest.approx(math.exp(-0.3) - math.exp(-0.6))
+    lit = scene(volume, constant(0.1), shade=stage, lighting=Sampled(at="middle"))
+    # The middles at 3.5, 4.5 and 5.5 are lit, the first of them not in full: its slope is less than twice the threshold.
+    expected = sum(share * math.exp(-0.1 * k) * -math.expm1(-0.1) for k, share in ((3, 0.875), (4, 1.0), (5, 1.0)))
+    assert reference.render(lit, ONE).rgba[0, 0, 0] == pytest.approx(expected)
 
 
 def test_unlit_looks_ask_for_no_light():

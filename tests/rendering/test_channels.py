@@ -308,3 +308,34 @@ def test_precomputed_gradients_follow_the_channels_that_are_shown(renderer):
     with al.Renderer() as fresh:
         assert np.array_equal(second, fresh.render(shown(4, 5), (32, 32)).rgba)
     assert not np.array_equal(first, second)
+
+
+@pytest.mark.parametrize("count", [2, 5])
+@pytest.mark.parametrize("field", ["linear", "linear_exact"])
+def test_channels_of_very_different_ranges(any_renderer, field, count):
+    """A channel whose values differ by thousandths beside one with thousands: half floats hold each in its own range."""
+    scales, base = np.array([1e-3, 1e4, 1.0, 1e-2, 1e-3][:count]), channels(count)
+    shifts = np.array([7.0, 0.0, -3.0, 0.0, 2.0][:count])
+    array = base.array * scales[:, None, None, None] + shifts[:, None, None, None]
+    volume = al.Volume(array.astype(np.float32), world_from_index=base.world_from_index)
+    moved = [
+        al.TransferFunction([(v * scale + shift, rgb, tau) for v, rgb, tau in function(c).points])
+        for c, (scale, shift) in enumerate(zip(scales, shifts, strict=True))
+    ]
+    drawn = scene(volume, al.Channels([al.Channel(c, tf) for c, tf in enumerate(moved)]), field=field)
+    compare(any_renderer, drawn)
+    texture = any_renderer.render(drawn, SIZE).stats["layers"][0]["textures"][0]
+    assert texture["error"] == max(texture["channel_errors"])
+    for error, scale in zip(texture["channel_errors"], scales, strict=True):
+        assert error <= 2.0**-12 * 100 * scale
+
+
+@pytest.mark.parametrize(("asked", "told"), [({"entries": 256}, "entries=256"), ({"lengths": 4}, "lengths=4")])
+def test_a_table_that_there_is_not_is_refused(renderer, asked, told):
+    stage = al.transfer.PreIntegrated(**asked)
+    with pytest.raises(al.StageError, match=f"'preintegrated' asks for {told}, and several channels have no table"):
+        renderer.render(scene(channels(2), mixture(2), transfer=stage), SIZE)
+    parts = al.Volume(np.ones((24, 24, 24), np.uint8))
+    labels = al.Labels(parts, {1: al.LabelStyle(transfer=function(0))})
+    with pytest.raises(al.StageError, match=f"'preintegrated' asks for {told}, and functions of labels have no table"):
+        renderer.render(al.Scene(blobs(), transfer=function(1), look=al.Look(transfer=stage), labels=labels), SIZE)

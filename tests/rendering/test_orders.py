@@ -14,7 +14,7 @@ from airlight import reference
 LEVEL = 1 / 255
 GLOW = al.TransferFunction([(40, (0, 0, 0), 0), (70, (0.02, 0.01, 0), 0), (110, (0.1, 0, 0.05), 0.4)], associated=True)
 ORDERS = ({"field": "preclassified"}, {"transfer": "postclassified"}, {"transfer": "preintegrated"})
-CURVED = al.driver.March(curved=True)
+STRAIGHT, CURVED = (al.driver.March(curved=curved) for curved in (False, True))
 
 
 @pytest.fixture(params=["full", "core"])
@@ -33,7 +33,7 @@ def with_function(drawn: al.Scene, tf: al.TransferFunction) -> al.Scene:
     return al.Scene(layers=[replace(layer, transfer=tf)], camera=drawn.camera, lights=drawn.lights, background=None)
 
 
-def compare(renderer, drawn, step=1.0, curved=False, tolerance=LEVEL / 4) -> np.ndarray:
+def compare(renderer, drawn, step=1.0, curved=True, tolerance=LEVEL / 4) -> np.ndarray:
     image = renderer.render(drawn, SIZE, step=step, driver=al.driver.March(curved=curved))
     truth = reference.render(drawn, SIZE, step=step, curved=curved)
     assert np.abs(image.rgba - truth.rgba).max() <= tolerance
@@ -133,8 +133,9 @@ def test_only_functions_of_one_value_are_preclassified(renderer):
 )
 def test_curved(any_renderer, transfer, volume, step):
     drawn = scene(volume(), transfer=transfer)
-    curved = compare(any_renderer, drawn, step, curved=True, tolerance=LEVEL)
-    assert np.abs(curved - any_renderer.render(drawn, SIZE, step=step).rgba).max() > 1e-4
+    curved, straight = (compare(any_renderer, drawn, step, curved, tolerance=LEVEL) for curved in (True, False))
+    assert np.abs(curved - straight).max() > 1e-4
+    assert np.array_equal(curved, any_renderer.render(drawn, SIZE, step=step).rgba)
 
 
 def test_curved_has_less_than_half_of_the_error_on_smooth_fields(renderer):
@@ -143,7 +144,7 @@ def test_curved_has_less_than_half_of_the_error_on_smooth_fields(renderer):
     for step in (2.0, 1.0):
         straight, curved = (
             np.sqrt(np.mean((renderer.render(drawn, SIZE, step=step, driver=driver).rgba - truth) ** 2))
-            for driver in (al.driver.March(), CURVED)
+            for driver in (STRAIGHT, CURVED)
         )
         assert curved < 0.5 * straight
 
@@ -151,20 +152,50 @@ def test_curved_has_less_than_half_of_the_error_on_smooth_fields(renderer):
 def test_nothing_is_curved_where_values_run_straight(renderer):
     ramp = np.add.outer(np.add.outer(np.linspace(0, 30, 16), np.linspace(30, 60, 16)), np.linspace(0, 20, 16))
     drawn = scene(al.Volume(ramp.astype(np.float32)), shade="none", field="linear_exact")
-    straight, curved = (renderer.render(drawn, SIZE, driver=driver).rgba for driver in (al.driver.March(), CURVED))
+    straight, curved = (renderer.render(drawn, SIZE, driver=driver).rgba for driver in (STRAIGHT, CURVED))
     assert np.abs(straight - curved).max() < 1e-4
     assert straight.any()
 
 
 @pytest.mark.parametrize(
-    "look", [{"transfer": "postclassified"}, {"field": "preclassified"}, {"integrate": "mip"}, {"integrate": "first_hit"}]
+    "look",
+    [
+        {"transfer": "postclassified"},
+        {"field": "preclassified"},
+        {"field": "nearest"},
+        {"integrate": "mip"},
+        {"integrate": "first_hit"},
+    ],
 )
-def test_curved_is_for_what_integrates_slabs(renderer, look):
+def test_curved_is_left_out_where_nothing_is_gained(renderer, look):
     drawn = scene(**look)
     asked = renderer.render(drawn, SIZE, driver=CURVED)
-    assert np.array_equal(asked.rgba, renderer.render(drawn, SIZE).rgba)
+    assert np.array_equal(asked.rgba, renderer.render(drawn, SIZE, driver=STRAIGHT).rgba)
     assert asked.stats["curved"] is False
-    assert renderer.render(scene(), SIZE, driver=CURVED).stats["curved"] is True
+    straight, curved = (reference.render(drawn, SIZE, step=2, curved=curved).rgba for curved in (False, True))
+    assert np.array_equal(straight, curved)
+    assert renderer.render(scene(), SIZE).stats["curved"] is True
+    assert renderer.render(scene(), SIZE, driver=STRAIGHT).stats["curved"] is False
+
+
+def test_labels_alone_are_not_curved(renderer):
+    numbers = al.Volume((blobs().array > 60).astype(np.uint8), world_from_index=blobs().world_from_index)
+    drawn = al.Scene(layers=[al.Layer(numbers, labels=al.Labels(numbers))], camera="iso", background=None)
+    image = renderer.render(drawn, SIZE)
+    assert image.rgba.any()
+    assert image.stats["curved"] is False
+
+
+@pytest.mark.parametrize("step", [2.0, 1.0])
+def test_the_step_does_not_matter_by_default(renderer, step):
+    """The mean colour changes by less than half as much as without curvature."""
+    drawn = scene(shade="none")
+
+    def change(driver):
+        coarse, fine = (renderer.render(drawn, SIZE, step=s, driver=driver).rgb.mean(axis=(0, 1)) for s in (step, 0.25))
+        return np.linalg.norm(coarse - fine) / np.linalg.norm(fine)
+
+    assert change(al.driver.March()) < min(0.01, 0.5 * change(STRAIGHT))
 
 
 def test_several_channels_are_curved_together(renderer):
@@ -173,13 +204,8 @@ def test_several_channels_are_curved_together(renderer):
     for transfer in ("preintegrated", "postclassified"):
         look = al.Look(shade="none", transfer=transfer)
         both = al.Scene(pair, transfer=[function(), function()], camera=scene().camera, look=look, background=None)
-        compare(renderer, both, 1.5, curved=True)
-        assert renderer.render(both, SIZE, driver=CURVED).stats["curved"] is (transfer == "preintegrated")
-
-
-def test_curved_refuses_fields_that_jump(renderer):
-    with pytest.raises(al.StageError, match="nearest"):
-        renderer.render(scene(field="nearest"), SIZE, driver=CURVED)
+        compare(renderer, both, 1.5)
+        assert renderer.render(both, SIZE).stats["curved"] is (transfer == "preintegrated")
 
 
 # -- modulation

@@ -73,5 +73,9 @@ def test_pixels_outside_and_rays_that_nobody_knows(renderer):
     for pixel in ((48, 0), (0, 40), (-1, 3)):
         with pytest.raises(al.ValueRangeError, match="must lie in the image of 48 x 40"):
             al.pick(image, drawn, pixel)
+    with pytest.raises(al.ValueRangeError, match=r"pixel is \(3\.5, 2\), must be a whole column and row"):
+        al.pick(image, drawn, (3.5, 2))
+    with pytest.raises(al.DataError, match=r"image is a Scene: pass what .* returned, then the scene"):
+        al.pick(drawn, image, (3, 2))
     with pytest.raises(al.StageError, match="does not tell its rays"):
         al.Camera.ray(drawn.camera, (1, 1), SIZE)

@@ -222,3 +222,23 @@ def test_what_thins_a_slab_thins_its_surface(renderer):
         for name in ("none", "change")
     )
     assert thin < 0.9 * plain
+
+
+@pytest.mark.parametrize("extinction", [0.0, 0.02])
+@pytest.mark.parametrize("step", [1.0, 4.0, 11.0])
+def test_depth_where_modulation_thins(any_renderer, step, extinction):
+    """A ramp of slope 1 counts by half: the second surface, not the first, takes opacity past one half."""
+    fog = al.TransferFunction(
+        [(-9, (1, 1, 1), extinction), (19, (1, 1, 1), extinction)],
+        surfaces=[Surface(3, "white", 0.6), Surface(7, "white", 0.6)],
+    )
+    modulation = al.modulation.Change(full_at=2.0)
+    rgba, depth = rgba_along(any_renderer, np.linspace(0, 10, 11), fog, step, modulation=modulation)
+    assert rgba[3] == pytest.approx(1 - 0.4 * np.exp(-extinction * 5), abs=1e-5)
+    assert depth == pytest.approx(107, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", ["ten", "in a medium"])
+@pytest.mark.parametrize("modulation", ["change", "gradient_magnitude"])
+def test_modulated_parity(renderer, modulation, name):
+    compare(renderer, with_function(FUNCTIONS[name], modulation=modulation, gradient="central", shade="none"), step=2.5)

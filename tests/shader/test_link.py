@@ -76,6 +76,27 @@ def test_a_layers_files_are_instantiated_with_suffixes(package):
     assert root
 
 
+def test_what_the_host_chooses_for_a_layer_belongs_to_it(package):
+    """Two layers share a file, and a piece of it is another one for each."""
+    package["shared.wgsl"] = (
+        "import generated::field::params;\nstruct Held { at: f32 }\nfn gain() -> f32 { return params.gain; }"
+    )
+    shared = "import package::shared::{Held, gain};\nfn between(held: Held) -> f32 { return gain() + held.at"
+    one, other = (Source(f"{name}.wgsl", f"{shared} + {number}; }}") for name, number in (("one", "1.0"), ("other", "2.0")))
+    field = Source(
+        "f.wgsl", f"import slot::piece::between;\n{FIELD.text}\nfn twice(held: Held) -> f32 {{ return between(held); }}"
+    )
+    field = Source("f.wgsl", f"import package::shared::Held;\n{field.text}")
+    linker = linking._Linker({"field": (("f", field),) * 2, "piece": (("one", one), ("other", other))}, Generated("", NAMES))
+    for i in range(2):
+        linker.visit(field, i, "field", "test")
+    assert [(m.source.name, i) for m, i, _ in linker.order] == [
+        ("shared.wgsl", 0), ("one.wgsl", 0), ("f.wgsl", 0), ("shared.wgsl", 1), ("other.wgsl", 1), ("f.wgsl", 1),
+    ]  # fmt: skip
+    assert linker.replacements(parse(field), 1, "field")["between"] == "between_1"
+    assert linker.replacements(parse(other), 1, "piece")["Held"] == "Held_1"
+
+
 def test_both_layers_are_reached_from_their_own_instances(package):
     """A driver for several layers imports one entry a layer; each reaches its own field."""
     linker = linking._Linker({"field": (("f", FIELD), ("f", FIELD))}, Generated("", NAMES))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from hypothesis import strategies as st
 
 from airlight.transfer import TransferFunction
+from airlight.transfer.colour import MOST_COLOUR
 
 numbers = st.floats(0, 1, allow_subnormal=False).map(lambda x: round(x, 3))
 colours = st.tuples(numbers, numbers, numbers)
@@ -26,5 +27,7 @@ any_extinction = st.floats(0, allow_infinity=False)
 def any_functions(draw: st.DrawFn) -> TransferFunction:
     """Functions of any numbers at all."""
     places = draw(st.lists(any_number, min_size=1, max_size=5))
-    rgb = st.tuples(any_extinction, any_extinction, any_extinction)
-    return TransferFunction([(v, draw(rgb), draw(any_extinction)) for v in sorted(places)], draw(st.booleans()))
+    associated = draw(st.booleans())
+    # What media emit has no limit; the colour that they have has one.
+    rgb = st.tuples(*[any_extinction if associated else st.floats(0, MOST_COLOUR)] * 3)
+    return TransferFunction([(v, draw(rgb), draw(any_extinction)) for v in sorted(places)], associated)

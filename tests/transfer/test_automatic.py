@@ -14,9 +14,9 @@ import airlight as al
 from airlight import Volume
 from airlight.errors import DataError, ValueRangeError
 from airlight.transfer.arches import arches
-from airlight.transfer.automatic import PALETTE, boundary_function, boundary_joint_function, peak_at
+from airlight.transfer.automatic import boundary_function, boundary_joint_function, peak_at
 from airlight.transfer.boundary import boundaries, profile
-from airlight.transfer.colour import linear_rgb
+from airlight.transfer.colour import PALETTE, linear_rgb
 
 MATERIALS = (10.0, 100.0, 220.0)
 

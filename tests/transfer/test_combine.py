@@ -214,7 +214,7 @@ def test_with_opacity():
     ("make", "message"),
     [
         (lambda f: f.clipped(2, 1), "transfer.clipped runs from 2 to 1"),
-        (lambda f: f.clipped(0, np.nan), "transfer.clipped runs from 0 to nan"),
+        (lambda f: f.clipped(0, np.nan), "transfer.clipped is nan, must be a finite number"),
         (lambda f: f.rescaled(to=(1, 1)), "transfer.rescaled.to runs from 1 to 1"),
         (lambda f: f.clipped(0, 1) and NOTHING.rescaled(to=(0, 1)), "one value 0"),
         (lambda f: f.shifted(np.inf), "transfer.shifted.by is inf"),

@@ -238,7 +238,7 @@ GLOW = T([(0, "red", 0)], associated=True)
         (lambda: T.from_ospray([[0, 0, 0]], [1], (1, 0)), "ospray.value runs from 1 to 0"),
         (lambda: GLOW.to_ospray(), "OSPRay knows no glow"),
         (lambda: T([(0, "red", 1)]).to_ospray(), "has the one value 0, and OSPRay needs a range"),
-        (lambda: T.ramp(0, 1).to_anari(entries=1), "entries is 1, must be at least 2"),
+        (lambda: T.ramp(0, 1).to_anari(entries=1), "entries is 1, must be a whole number of at least 2"),
         (lambda: T.from_anari([[1, 1, 1]], -1), r"anari.opacity\[0\] is \[-1.0\]"),
         (lambda: T.from_anari([[1, 1, 1]], 1, unit_distance=-1), "anari.unitDistance is -1"),
         (lambda: T.from_table([[1, 1, 1]], (0, 1)), r"table has shape \(1, 3\), must be \(n, 4\)"),

@@ -265,11 +265,12 @@ def test_time_steps_and_channels_by_name(rng):
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"variables": ("value",)}, ValueRangeError, r"variables are \['value'\]: give two or three"),
+        ({"variables": ()}, ValueRangeError, r"variables are \[\]: give one, two or three"),
+        ({"variables": ("value", "secnd")}, DataError, r"variables\[1\] is 'secnd', .*use value, gradient, second"),
         ({"variables": ("value", "value")}, ValueRangeError, "two or three different"),
         ({"variables": ("value", 1.5)}, ValueRangeError, r"variables\[1\] is 1.5"),
-        ({"variables": ("value", "dapi")}, DataError, "'dapi' is unknown"),
-        ({"variables": ("value", 3)}, DataError, "channel is 3"),
+        ({"variables": ("value", "dapi")}, DataError, "is 'dapi', which is no variable"),
+        ({"variables": ("value", 3)}, DataError, "is channel 3; the volume has"),
         ({"bins": 1}, ValueRangeError, r"bins is 1, must lie in \[2, 4096\]"),
         ({"variables": ("value", "gradient", "second"), "bins": 1000}, ValueRangeError, r"must lie in \[2, 512\]"),
         ({"percentiles": (99, 1)}, ValueRangeError, "percentiles are"),

@@ -111,8 +111,18 @@ def test_files_that_are_wrong_name_the_place(tmp_path):
     path = tmp_path / "function.toml"
     JointFunction(AXES[:2], [Box((0, 0), (9, 9)), Box((0, 0), (8, 8))]).save(path)
     path.write_text(path.read_text().replace("high = [8.0, 8.0]", "high = [8.0, 88.0]"))
-    with pytest.raises(ValueRangeError, match=r"function.toml: transfer.shapes\[1\] \(box\) reaches from 0 to 88"):
+    with pytest.raises(ValueRangeError, match=r"function.toml:11: transfer.shapes\[1\] \(box\) reaches from 0 to 88"):
         JointFunction.load(path)
+    axes = "axes = [\n  { variable = 'value', low = 0, high = 1 },\n  { variable = 'gradient', low = 0, high = 0 },\n]\n"
+    path.write_text(axes)
+    with pytest.raises(ValueRangeError, match=r"function.toml:3: transfer.axes\[1\] axis 'gradient' reaches from 0 to 0"):
+        load_transfer(path)
+    path.write_text(axes.replace("high = 0", "high = 1") + "[[shapes]]\nkind = 'box'\nlow = [0, 0]\nhigh = [1, 'a']\n")
+    for load in (load_transfer, JointFunction.load):
+        with pytest.raises(
+            ValueRangeError, match=r"function.toml:8: transfer.shapes\[0\] box.high\[1\] is 'a', must be a finite"
+        ):
+            load(path)
     path.write_text("axes = [[]")
     with pytest.raises(FileError, match="is no sound TOML"):
         JointFunction.load(path)
@@ -342,7 +352,7 @@ def test_a_widened_function_is_empty_on_less_but_not_beyond_its_axes():
         (lambda: Ramp(0, ((0, RED), (0, RED))), r"ramp.points have coordinates \[0.0, 0.0\]: give two or more, rising"),
         (lambda: JointFunction(AXES[:2], Box((0, 0), (1, 1))), "transfer.shapes is Box.*, must be a list"),
         (lambda: JointFunction(AXES[:2]).table(64.5), "entries is 64.5"),
-        (lambda: JointFunction(AXES[:2]).scaled("2"), "density is '2', must be at least 0"),
+        (lambda: JointFunction(AXES[:2]).scaled("2"), "density is '2', must be a finite number"),
         (lambda: Ramp(0, 3), "ramp.points is 3, must be a list"),
         (lambda: Ramp(0, (1, 2)), r"ramp.points\[0\] is 1: give \(coordinate, colour\)"),
         (lambda: JointFunction(AXES[:2]).table(1), r"entries is 1, must lie in \[2, 2048\] for 2 variables"),

@@ -11,6 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import airlight as al
+from airlight.scene_file import load_transfer
 from airlight.stages.transfer_channels import evenness_error
 from airlight.transfer.cells import end_media, function_texels, stacked_texels
 from airlight.transfer.channels import slope_of
@@ -46,6 +47,30 @@ def test_plain_data_make_the_same_mixture():
     assert mixture.scaled(2) == al.Channels([al.Channel("c5", RED, density=2), al.Channel(0, BLUE, visible=False, density=0.5)])
 
 
+NAMES = st.text(st.characters(exclude_categories=["Cs"]))
+PARTS = st.builds(al.Channel, NAMES | st.integers(0, 99), functions(), st.booleans(), st.floats(0, 1e9))
+
+
+@given(st.lists(PARTS, min_size=1, max_size=4, unique_by=lambda part: part.channel))
+def test_files_and_text_make_the_same_mixture(tmp_path_factory, parts):
+    mixture, path = al.Channels(parts), tmp_path_factory.getbasetemp() / "mixture.toml"
+    assert eval(mixture.as_code(), {"al": al}) == mixture
+    mixture.save(path)
+    assert al.Channels.load(path) == mixture
+    assert load_transfer(path) == mixture
+
+
+def test_files_that_are_wrong_name_the_place(tmp_path):
+    path = tmp_path / "mixture.toml"
+    al.Channels({"DAPI": RED, "GFP": BLUE}).save(path)
+    path.write_text(path.read_text().replace('"GFP"', '"DAPI"'))
+    with pytest.raises(al.ValueRangeError, match=r"mixture.toml: transfer.channels name 'DAPI' twice"):
+        al.Channels.load(path)
+    path.write_text(path.read_text().replace('channel = "DAPI"', "channel = -0.5"))
+    with pytest.raises(al.ValueRangeError, match=r"mixture.toml:3: transfer.channels\[0\]: channel is -0.5"):
+        al.Channels.load(path)
+
+
 GLOW = al.TransferFunction([(0, "red", 0.0)], associated=True)
 
 
@@ -60,9 +85,9 @@ GLOW = al.TransferFunction([(0, "red", 0.0)], associated=True)
         (lambda: al.Channel(True, RED), "must be a number or a name"),
         (lambda: al.Channel(0, al.TransferFunction(RED.points, surfaces=[al.Surface(15)])), "has surfaces of equal value"),
         (lambda: al.Channel(0, "red"), "give it a TransferFunction"),
-        (lambda: al.Channel(0, RED, density=-1), "density -1, must be"),
-        (lambda: al.Channel(0, RED, density="1"), "density '1', must be"),
-        (lambda: al.Channel(0, RED, visible=1), "visible 1, must be true or false"),
+        (lambda: al.Channel(0, RED, density=-1), "density is -1, must be at least 0"),
+        (lambda: al.Channel(0, RED, density="1"), "density is '1', must be a finite"),
+        (lambda: al.Channel(0, RED, visible=1), "visible is 1, must be true or false"),
         (lambda: al.Channels.from_dict({"channels": {"channel": 0}}), "list of tables"),
         (lambda: al.Channels.from_dict({"channels": [{"channel": 0, "transfer": 3}]}), r"channels\[0\].transfer is 3"),
         (lambda: al.Channels.from_dict({"channels": [{"channel": 0}]}), r"channels\[0\] has the entries \['channel'\]"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from functions import functions
@@ -173,3 +175,13 @@ def test_the_error_of_the_cubic_is_told():
     tf = FOG.with_surfaces([Surface(v, "white", 0.1) for v in (10, 40, 90)])
     assert crossing_error(tf, 1.0) < 1e-5 < crossing_error(tf, 8.0) < 1e-2 < crossing_error(tf, 100.0)
     assert crossing_error(FOG.with_surfaces([Surface(5)]), 100.0) == 0
+
+
+def test_first_hit_asks_for_its_value_where_there_are_surfaces_alone():
+    """Their function has no extinction whose half could be the value: nothing would be drawn."""
+    sheets = TransferFunction.from_surfaces([(300, "red"), (500, "blue")])
+    with pytest.raises(ValueRangeError, match=r"first_hit\.iso is left to the function, .* FirstHit\(iso=300\)"):
+        al.integrate.FirstHit().uniforms(SimpleNamespace(transfer=sheets))
+    assert al.integrate.FirstHit(iso=5).uniforms(SimpleNamespace(transfer=sheets)).iso == 5
+    fog = TransferFunction([(0, "red", 0), (10, "red", 1)], surfaces=[(300, "red")])
+    assert al.integrate.FirstHit().uniforms(SimpleNamespace(transfer=fog)).iso == 5

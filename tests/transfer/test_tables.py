@@ -344,3 +344,10 @@ def test_what_no_size_mends_gets_the_greatest():
 @given(tf=either, depth=depths, entries=st.integers(2, 300))
 def test_an_error_is_told_of_any_function(tf, depth, entries):
     assert 0 <= colour_error(deepened(tf, depth), 1.0, entries) < np.inf
+
+
+def test_tables_of_functions_keep_the_kind_of_their_size():
+    """A power of two, with few or many cells: software adapters compile anew where a texture's size stops being one."""
+    for middle in (0.5, 0.51, 0.77, 0.123456):
+        lines = function_texels(TransferFunction([(0, "black", 0), (middle, "red", 1), (1, "white", 2)])).shape[1]
+        assert lines == 1 << (lines.bit_length() - 1)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ValueRangeError
+from ..errors import DataError, ValueRangeError
 from ..first_picture import automatic_channels, first_picture, projection_transfer
 from ..scene import VIEWS, Camera, Layer, Look, Scene, fit_camera
 from ..stage import Stage
@@ -18,6 +18,7 @@ from ..stages.camera import Orthographic, Perspective
 from ..transfer import Surface, TransferFunction, presets
 from ..transfer.colormaps import colours_of
 from ..volume import Volume
+from .inputs import open_named
 from .labels import LabelOptions, with_labels
 from .options import SLOTS, DrawOptions, LookOptions, ReadOptions, ViewOptions
 from .parse import (
@@ -33,9 +34,11 @@ from .parse import (
     parse_transfer,
 )
 from .progress import ProgressBar
+from .surroundings import BACKGROUND, environment_of, lit_by, seen_behind
 
 SIZE = (512, 512)
-PROJECTIONS = ("mip", "minip", "mean")
+PROJECTIONS = ("mip", "minip", "mean", "attenuated_mip", "depth_shaded_mip", "local_mip")
+SUMS = ("weighted_sum", "xray")
 BOUNDARY_DEPTHS = (0.12, 0.4, 1.2)
 """Optical depths of boundaries by rising value: outer ones, of lower values, are faint, so that inner ones show."""
 
@@ -55,11 +58,10 @@ def is_scene(path: str) -> bool:
 
 
 def open_input(path: str, read: ReadOptions, progress: ProgressBar | None = None) -> Volume:
-    """Open a volume as the options tell."""
-    from .. import io
-
-    return io.open(
+    """Open a volume as the options tell, or a sample by its name."""
+    return open_named(
         path,
+        progress,
         dataset=read.dataset,
         level=read.level,
         shape=None if read.shape is None else parse_shape(read.shape),
@@ -68,7 +70,6 @@ def open_input(path: str, read: ReadOptions, progress: ProgressBar | None = None
         offset=read.offset,
         big_endian=read.big_endian,
         max_memory=parse_bytes(read.max_memory),
-        progress=progress,
     )
 
 
@@ -100,7 +101,8 @@ def make_job(
     camera = None if view.camera is None else parse_camera(view.camera)
     arguments = _draw_arguments(draw)
     changes: dict[str, Any] = {} if camera is None else {"camera": camera}
-    if view.background is not None:
+    environment = environment_of(look.environment, look.environment_turn)
+    if view.background is not None and view.background != BACKGROUND:
         changes["background"] = parse_background(view.background)
     if is_scene(path):
         scene, options = _load(path, read, progress)
@@ -124,7 +126,13 @@ def make_job(
         layers = tuple(_with_surfaces(layer, surfaces, alone=not given and not is_scene(path)) for layer in layers)
     if labels is not None:
         layers = tuple(with_labels(layer, labels, progress, parse_bytes(read.max_memory)) for layer in layers)
+    layers = tuple(lit_by(layer, environment, look.shade is not None) for layer in layers)
     scene = dataclasses.replace(scene, layers=layers, **changes)
+    if view.background == BACKGROUND:
+        scene = dataclasses.replace(scene, background=seen_behind(scene, environment))
+    elif environment is not None and not any(getattr(layer.look.shade, "environment", None) for layer in layers):
+        remedy = "leave it out, or add --background environment"
+        raise ValueRangeError("--environment", f"lights nothing, --shade is {look.shade}", remedy)
     return Job(orthographic(scene, size) if view.orthographic else scene, size, arguments)
 
 
@@ -193,6 +201,8 @@ def _with_look(layer: Layer, look: LookOptions, stages: dict[str, Stage]) -> Lay
         changes["transfer"] = presets.glowing(look.colormap, layer.volume, channel, time)
     elif projects:
         changes["transfer"] = projection_transfer(layer.volume, channel, time)
+    elif "integrate" in stages and stages["integrate"].name in SUMS:
+        changes["transfer"] = None  # chosen for the stage when it is drawn
     return dataclasses.replace(layer, **changes) if changes else layer
 
 
@@ -204,12 +214,21 @@ def _with_boundaries(layer: Layer, kind: str, progress: ProgressBar | None) -> L
     from ..transfer.automatic import boundary_function, boundary_joint_function
 
     make: Any = {"boundaries": boundary_function, "boundaries2d": boundary_joint_function}[kind]
-    function = make(layer.volume, layer.channel, layer.time, depth=BOUNDARY_DEPTHS, progress=progress)
+    try:
+        function = make(layer.volume, layer.channel, layer.time, depth=BOUNDARY_DEPTHS, progress=progress)
+    except DataError as error:
+        remedy = "labels have no materials: leave it out" if layer.volume.modality == "labels" else "give --preset or --tf"
+        raise DataError(f"--auto {kind}", f"finds nothing: {error.where} {error.what}", remedy) from None
     return dataclasses.replace(layer, transfer=function)
 
 
 def _with_surfaces(layer: Layer, surfaces: tuple[Surface, ...], alone: bool) -> Layer:
     """Return the layer with surfaces beside its function, or in the place of a function that was chosen from the data."""
+    way = layer.look.integrate
+    if way.name != "emission_absorption" and getattr(way, "iso", None) is None:
+        value = f"{surfaces[0].value:g}"
+        remedy = f"name its value: --integrate first_hit:iso={value}" if way.name == "first_hit" else "leave one out"
+        raise ValueRangeError("--iso", f"is given, and --integrate {way.name} draws no surfaces", remedy)
     if alone or layer.transfer is None:
         return dataclasses.replace(layer, transfer=TransferFunction.from_surfaces(surfaces))
     if not isinstance(layer.transfer, TransferFunction):

@@ -5,13 +5,14 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from .build import make_job
+from .inputs import SCENE_INPUT
 from .labels import LabelOptions
 from .options import DrawOptions, LookOptions, ReadOptions, ViewOptions
 from .progress import ProgressBar
 
 
 def explain(
-    input: Annotated[str, Parameter(help="A volume (file or folder) or a scene (.toml).")],
+    input: Annotated[str, Parameter(help=SCENE_INPUT)],
     /,
     *,
     look: LookOptions | None = None,

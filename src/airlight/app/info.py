@@ -12,6 +12,7 @@ from cyclopts import Parameter
 
 from ..volume import Volume, statistics
 from .build import open_input
+from .inputs import INPUT
 from .options import ReadOptions
 from .progress import ProgressBar
 
@@ -21,7 +22,7 @@ MOST_CHANNELS = 16
 
 
 def info(
-    input: Annotated[str, Parameter(help="A volume: file or folder.")],
+    input: Annotated[str, Parameter(help=INPUT)],
     /,
     *,
     read: ReadOptions | None = None,

@@ -1,6 +1,7 @@
 """Labels on the command line: a volume of labels beside the image, names, and which of them are shown."""
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
@@ -12,9 +13,12 @@ from ..labels.names import read_label_table
 from ..labels.ranges import ONE_OR_RANGE, text_to_ids
 from ..scene import Layer
 from ..volume import Volume
+from .inputs import open_named
 from .progress import ProgressBar
 
 LABELS = Group("Labels", sort_key=1)
+FEW_LABELS = 100
+"""So many are never taken for the values of an image."""
 
 
 def _of_labels(what: str) -> Parameter:
@@ -80,24 +84,57 @@ def with_labels(
 
 def parse_labels(text: str, labels: Labels, where: str = "labels") -> frozenset[int]:
     """Labels of a text with numbers, ranges and names, with commas between them; ``where`` names the option in errors."""
-    found: frozenset[int] = frozenset()
+    return frozenset().union(*(found for _, found in _parts(text, labels, where)))
+
+
+def _parts(text: str, labels: Labels, where: str) -> Iterator[tuple[str, frozenset[int]]]:
+    """Each number, range or name of a text, with its labels."""
     names = {name for _, name in labels.names}
     for part in filter(None, (word.strip() for word in text.split(","))):
         is_number = ONE_OR_RANGE.fullmatch(part) and (part not in names or part.removeprefix("-").isdecimal())
         try:
-            found |= text_to_ids(part) if is_number else labels.numbers(part)
+            yield part, text_to_ids(part) if is_number else labels.numbers(part)
         except ValueRangeError as error:
-            raise ValueRangeError(where, error.what, error.remedy) from None
-    return found
+            nameless = "give numbers and ranges, such as 3,5-9, or names by --label-names FILE"
+            raise ValueRangeError(where, error.what, error.remedy if is_number or names else nameless) from None
+
+
+def label_notes(layer: Layer, options: LabelOptions) -> Iterator[str]:
+    """Tell of labels that were asked for and do not occur, and of labels that look like an image."""
+    labels = layer.labels
+    if labels is None:
+        return
+    time = labels.time_of(layer.time)
+    ids = labels.ids(time)
+    occurring = frozenset(ids.tolist())
+    if options.labels is not None and _seem_values(labels, time):
+        yield (
+            f"{options.labels} was taken as labels, and looks like an image: {len(ids):,} different values from "
+            f"{ids.min():,} to {ids.max():,}, seldom the same in neighbouring voxels"
+        )
+    for name in ("hide_labels", "only_labels", "highlight_labels"):
+        text, option = getattr(options, name), f"--{name.replace('_', '-')}"
+        for part, found in _parts(text or "", labels, option):
+            if not found & occurring:
+                yield f"{option} {part}: no voxel has this label; they run from {ids.min():,} to {ids.max():,}"
+
+
+def _seem_values(labels: Labels, time: int) -> bool:
+    """Whether most voxels outside of the background differ from their neighbours along x."""
+    grid = labels.volume.grid(0, time)
+    pairs = same = 0
+    for part in grid:
+        inside = part[:, 1:] != labels.background
+        pairs += int(inside.sum())
+        same += int((inside & (part[:, 1:] == part[:, :-1])).sum())
+    return len(labels.ids(time)) > FEW_LABELS and same < pairs / 2
 
 
 def _opened(path: str, image: Volume, progress: ProgressBar | None, max_memory: int | None) -> Volume:
     """Volume of labels; the image itself where it is the same file, as a whole, so that it is read once."""
-    from .. import io
-
     source = image.source
     is_whole = source is not None and not (source.dataset or source.level or source.options)
     if source is not None and is_whole and os.path.realpath(source.path) == os.path.realpath(path):
         return image
     limits: dict[str, Any] = {} if max_memory is None else {"max_memory": max_memory}
-    return io.open(path, progress=progress, **limits)
+    return open_named(path, progress, **limits)

@@ -78,6 +78,24 @@ class LookOptions:
     transfer: Annotated[str | None, _stage("transfer", "Classification")] = None
     modulation: Annotated[str | None, _stage("modulation", "Factor of extinction", "change:full_at=50")] = None
     shade: Annotated[str | None, _stage("shade", "Shading", "blinn_phong:ambient=0.2,shininess=40")] = None
+    environment: Annotated[
+        str | None,
+        Parameter(
+            group=LOOK,
+            metavar="NAME_OR_FILE",
+            help="Light from all directions: studio, sky, white, with parameters as in sky:turbidity=5,to_sun=[1,-1,1], or an "
+            "equirectangular .hdr, .exr or .npy picture. Sets --shade environment unless another stage is given.",
+        ),
+    ] = None
+    environment_turn: Annotated[
+        float | None,
+        Parameter(
+            group=LOOK,
+            metavar="DEGREES",
+            allow_leading_hyphen=True,
+            help="Turn of the environment about the vertical, counterclockwise from above.",
+        ),
+    ] = None
     lighting: Annotated[str | None, _stage("lighting", "Where a slab is lit")] = None
     visibility: Annotated[str | None, _stage("visibility", "Shadows")] = None
     integrate: Annotated[str | None, _stage("integrate", "What is gathered along a ray", "first_hit:iso=300")] = None
@@ -115,7 +133,11 @@ class ViewOptions:
     orthographic: Annotated[bool, Parameter(group=VIEW, negative="", help="Parallel rays.")] = False
     background: Annotated[
         str | None,
-        Parameter(group=VIEW, metavar="COLOUR", help="CSS name, #rrggbb, linear r,g,b, or none for transparent."),
+        Parameter(
+            group=VIEW,
+            metavar="COLOUR",
+            help="CSS name, #rrggbb, linear r,g,b, none for transparent, or environment to see the one that lights the scene.",
+        ),
     ] = None
 
 

@@ -14,11 +14,10 @@ from ..scene import VIEWS, Camera
 from ..scene_file import load_transfer, stage_from_values
 from ..stage import STAGES, Stage
 from ..transfer import Surface, TransferFunction, linear_rgb
+from ..transfer.colour import PALETTE
 from ..transfer.kinds import AnyFunction
 from ..transfer.surfaces import checked_surfaces
 
-# Okabe and Ito, 2008.
-ISO_COLOURS = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7")
 UNITS = {"": 1, "k": 1 << 10, "m": 1 << 20, "g": 1 << 30, "t": 1 << 40}
 
 
@@ -139,11 +138,12 @@ def parse_iso(texts: Sequence[str]) -> tuple[Surface, ...]:
     for number, text in enumerate(texts):
         value, colour, opacity, back_colour, back_opacity = (*text.split(":"), *[""] * 5)[:5]
         if text.count(":") > 4:
-            raise ValueRangeError("--iso", f"is {text!r}, must be VALUE:COLOUR:OPACITY", "e.g. --iso 300:gold:0.5")
+            found = f"is {text!r}, must be VALUE:COLOUR:OPACITY:BACK-COLOUR:BACK-OPACITY"
+            raise ValueRangeError("--iso", found, "e.g. --iso 300:gold:0.5")
         numbers = [_number(word, text) for word in (value, opacity or "1", back_opacity or "nan")]
         colours = [
             tuple(parse_numbers(word, (3,), "--iso")) if "," in word else word
-            for word in (colour or ISO_COLOURS[number % len(ISO_COLOURS)], back_colour)
+            for word in (colour or PALETTE[number % len(PALETTE)], back_colour)
         ]
         with renamed(f"--iso {text}"):
             back = None if math.isnan(numbers[2]) else numbers[2]
@@ -171,7 +171,7 @@ def renamed(option: str) -> Iterator[None]:
 def parse_stage(slot: str, text: str) -> Stage:
     """Stage of ``name`` or ``name:parameter=value,parameter=value``; lists in brackets."""
     name, colon, rest = text.partition(":")
-    values = _assignments(rest, f"--{slot}") if colon else {}
+    values = assignments(rest, f"--{slot}") if colon else {}
     return stage_from_values(slot, name.strip(), values, f"--{slot}")
 
 
@@ -180,7 +180,8 @@ def choices(slot: str) -> str:
     return ", ".join(sorted(STAGES[slot]))
 
 
-def _assignments(text: str, where: str) -> dict[str, Any]:
+def assignments(text: str, where: str) -> dict[str, Any]:
+    """Values by name of ``parameter=value,parameter=value``; lists in brackets."""
     values: dict[str, Any] = {}
     for word in re.split(r",(?![^\[]*\])", text):
         key, equals, value = (part.strip() for part in word.partition("="))

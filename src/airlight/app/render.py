@@ -1,8 +1,9 @@
 """``airlight render``: a volume or a scene to an image."""
 
+import itertools
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,18 +11,21 @@ import numpy as np
 from cyclopts import Parameter
 
 from ..errors import FileError
+from ..files import replacing, write_text
 from ..scene import VIEWS, Scene
-from ..volume import statistics
+from ..volume import Volume, statistics
 from .build import is_scene, make_job
-from .labels import LabelOptions
+from .inputs import SCENE_INPUT
+from .labels import LabelOptions, label_notes
 from .options import DrawOptions, LookOptions, ReadOptions, ViewOptions
 from .progress import ProgressBar
 
 ENDINGS = (".png", ".exr", ".npy")
+NORMAL_ENDINGS = (".png", ".npy")
 
 
 def render(
-    input: Annotated[str, Parameter(help="A volume (file or folder) or a scene (.toml).")],
+    input: Annotated[str, Parameter(help=SCENE_INPUT)],
     /,
     *,
     output: Annotated[
@@ -46,6 +50,13 @@ def render(
             help="Write adapter, samples, times and errors as JSON to a .json file, or to standard error.",
         ),
     ] = None,
+    normals: Annotated[
+        str | None,
+        Parameter(
+            metavar="FILE",
+            help="Also write the normals of surfaces (--integrate first_hit): .npy, or .png with 0.5 + 0.5 n as colours.",
+        ),
+    ] = None,
     save_scene: Annotated[
         str | None,
         Parameter(metavar="FILE.toml", help="Also write what was drawn as a scene file, to be rendered again or changed."),
@@ -62,10 +73,13 @@ def render(
         airlight render cells.ome.tif -o cells.png --channel 1 --integrate mip --background black
         airlight render cells.ome.tif -o mixture.png --channels 0=green,1=magenta
         airlight render head.nii.gz -o brain.png --labels atlas.nii.gz --label-names atlas.txt --hide-labels 0
+        airlight render mni-head -o mri.png --preset mri
         airlight render foot.raw -o foot.png --shape 256x256x256 --dtype uint8 --spacing 1,1,1
         airlight render scene.toml -o - --stats | display
     """
     check_output(output)
+    if normals is not None:
+        check_output(normals, NORMAL_ENDINGS)
     with ProgressBar() as progress:
         job = make_job(
             input,
@@ -78,16 +92,21 @@ def render(
         )
         from .. import api
 
-        image = api.render(job.scene, job.size, device=draw.device, progress=progress, **job.arguments)
+        arguments = job.arguments if normals is None else {**job.arguments, "keep_hits": True}
+        image = api.render(job.scene, job.size, device=draw.device, progress=progress, **arguments)
     if stats != "-":
         own = not is_scene(input) and (look is None or (look.channel is None and look.channels is None))
-        for note in notes(job.scene, image, chosen=view is None or view.camera is None, own_channel=own):
+        told = notes(job.scene, image, chosen=view is None or view.camera is None, own_channel=own)
+        asked = () if labels is None else label_notes(job.scene.layers[0], labels)
+        for note in itertools.chain(told, asked):
             print(f"note: {note}", file=sys.stderr)
     if output == "-":
         sys.stdout.buffer.write(image.png())
         sys.stdout.buffer.flush()
     else:
         image.save(output)
+    if normals is not None:
+        write_normals(image.normal, Path(normals))
     if save_scene is not None:
         from ..scene_file import save_scene as write_scene
 
@@ -97,7 +116,7 @@ def render(
 
 
 def notes(scene: Scene, image: Any, chosen: bool, own_channel: bool = False) -> Iterator[str]:
-    """Tell what a user might not expect of a picture: channels left out, a view against the file's axes, and nothing at all."""
+    """Tell what a user might not expect: channels left out, a view against the file's axes, labels elsewhere, and nothing."""
     layer = scene.layers[0]
     if own_channel and layer.volume.channel_count > 1 and len(layer.channels) == 1:
         yield f"this is channel 0 of {layer.volume.channel_count}; --channel N draws another, --channels all draws all in one"
@@ -106,22 +125,42 @@ def notes(scene: Scene, image: Any, chosen: bool, own_channel: bool = False) -> 
         seen = max(VIEWS, key=lambda view: float(np.dot(to_eye, VIEWS[view][0]) / np.linalg.norm(VIEWS[view][0])))
         if seen not in ("front", "iso"):
             yield f"by the file's axes this is the {seen} view, chosen from the data; --camera chooses another"
+    if layer.labels is not None and _lie_apart(layer.volume, layer.labels.volume):
+        yield "the labels lie outside of the image: airlight info FILE tells where each of them lies"
     if not image.rgba.any():
         known = statistics(layer.volume, layer.channel, layer.time)
         yield f"nothing is visible: the data run from {known.minimum:g} to {known.maximum:g}; see --tf, --preset and --camera"
 
 
-def check_output(output: str) -> None:
+def _lie_apart(one: Volume, other: Volume) -> bool:
+    corners = [volume.corners_world(cells=True) for volume in (one, other)]
+    (low, high), (other_low, other_high) = ((c.min(axis=0), c.max(axis=0)) for c in corners)
+    return bool(np.any((low > other_high) | (other_low > high)))
+
+
+def check_output(output: str, endings: tuple[str, ...] = ENDINGS) -> None:
     """Refuse what could not be written before anything is computed."""
     if output == "-":
         if sys.stdout.isatty():
             raise FileError("-o -", "would write a PNG file to the terminal", "name a file, or pipe it on")
         return
     path = Path(output)
-    if path.suffix.lower() not in ENDINGS:
-        raise FileError(output, "has no ending that says what to write", f"use one of {', '.join(ENDINGS)}, or -")
+    if path.suffix.lower() not in endings:
+        raise FileError(output, "has no ending that says what to write", f"use one of {', '.join(endings)}, or -")
     if not path.absolute().parent.is_dir():
         raise FileError(output, "cannot be written, its folder is not there", f"make {path.parent}")
+
+
+def write_normals(normal: np.ndarray[Any, Any], path: Path) -> None:
+    """Write normals as they are (.npy), or as colours (.png): -1 to 1 becomes 0 to 255, nothing is black."""
+    with replacing(path) as temporary:
+        if path.suffix.lower() == ".npy":
+            np.save(temporary, normal, allow_pickle=False)
+            return
+        from PIL import Image as Pillow
+
+        colours = np.where(normal.any(axis=-1, keepdims=True), 127.5 * (1 + normal) + 0.5, 0.0)
+        Pillow.fromarray(colours.astype(np.uint8)).save(temporary, "png")
 
 
 def write_stats(stats: dict[str, Any], target: str) -> None:
@@ -130,12 +169,11 @@ def write_stats(stats: dict[str, Any], target: str) -> None:
     if target == "-":
         sys.stderr.write(text)
         return
-    from ..io.paths import replacing
-
-    with replacing(Path(target)) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(Path(target), text)
 
 
 def plain(value: Any) -> Any:
-    """Numbers of NumPy as Python's, anything else as text."""
+    """Mappings and numbers of NumPy as Python's, anything else as text."""
+    if isinstance(value, Mapping):
+        return dict(value)
     return value.tolist() if hasattr(value, "tolist") else str(value)

@@ -41,7 +41,7 @@ def _print_slot(slot: str) -> None:
     title = f"{slot}: {SLOTS[slot].help}"
     table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("stage, parameter", no_wrap=True)
-    table.add_column("default", no_wrap=True)
+    table.add_column("default", max_width=12, overflow="fold")
     table.add_column("range and unit", max_width=18)
     table.add_column("meaning")
     for _, cls in sorted(STAGES[slot].items()):
@@ -62,6 +62,8 @@ def stage_rows(cls: type[Stage]) -> list[tuple[str, str, str, str]]:
 
 
 def _range(field: dataclasses.Field[Any]) -> str:
+    if field.metadata["kind"] == "value":
+        return type(field.default).__name__.lower()
     bounds = field.metadata["bounds"]
     if bounds.choices:
         return ", ".join(bounds.choices)

@@ -6,12 +6,14 @@ import dataclasses
 
 from ..scene import Camera, Layer, Look, Scene, fit_camera
 from ..stages.field_labels import are_alone
+from ..stages.integrate import XRay
 from ..stages.shade import BlinnPhong
-from ..transfer import Channels, TransferFunction
+from ..transfer import Channels, TransferFunction, presets
+from ..transfer.attenuation import WATER_PER_MM
 from ..volume import Volume, statistics
 from .channels import automatic_channels, channels_picture
 from .functions import SOLID_PER_VOXEL, chosen_function
-from .survey import Survey, survey
+from .survey import Survey, is_ct, survey
 from .view import chosen_direction, chosen_lights, fitted_camera, visible_points
 
 __all__ = ["automatic_channels", "automatic_transfer", "first_picture", "projection_transfer", "resolve", "resolved_camera"]
@@ -36,6 +38,14 @@ def projection_transfer(volume: Volume, channel: int | str = 0, time: int = 0) -
     known = statistics(volume, channel, time)
     low = known.percentile(0.5)
     return TransferFunction([(low, "black", 0.0), (max(known.maximum, low), "white", 1.0)])
+
+
+def attenuation_transfer(volume: Volume, channel: int | str = 0, time: int = 0) -> TransferFunction:
+    """What attenuates X-rays: the coefficient that Hounsfield units stand for, or values from their robust minimum on."""
+    known = statistics(volume, channel, time)
+    if is_ct(volume, known):
+        return TransferFunction.from_hounsfield(WATER_PER_MM * presets.MM_PER_UNIT.get(volume.units, 1.0))
+    return projection_transfer(volume, channel, time)
 
 
 def occupancy_transfer(volume: Volume) -> TransferFunction:
@@ -102,6 +112,7 @@ def _function_for(layer: Layer) -> TransferFunction:
         return occupancy_transfer(layer.volume)
     projects = not getattr(layer.look.integrate, "uses_slabs", True)
     choose = projection_transfer if projects else automatic_transfer
+    choose = attenuation_transfer if isinstance(layer.look.integrate, XRay) else choose
     return choose(layer.volume, layer.channel, layer.time)
 
 

@@ -65,7 +65,7 @@ def automatic_channels(
     chosen = dict.fromkeys(range(volume.channel_count)) if colours is None else dict(colours)
     parts = [
         Channel(channel, _function(volume, channel, time, own if colour is None else colour))
-        for (channel, colour), own in zip(chosen.items(), distinct_colours(len(chosen)), strict=True)
+        for (channel, colour), own in zip(chosen.items(), channel_colours(len(chosen)), strict=True)
     ]
     mixture = Channels(parts)
     return mixture if density == 1 else mixture.scaled(density)
@@ -81,7 +81,7 @@ def channels_picture(volume: Volume, mixture: Channels, size_px: tuple[int, int]
     return Scene(volume, transfer=mixture, look=look, time=time, camera=camera, lights=lights)
 
 
-def distinct_colours(count: int) -> tuple[tuple[float, float, float], ...]:
+def channel_colours(count: int) -> tuple[tuple[float, float, float], ...]:
     """Linear colours of so many channels: pairs and triples of complements, else hues round the circle."""
     if count == 1:
         return ((1.0, 1.0, 1.0),)

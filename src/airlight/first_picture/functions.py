@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import colorsys
 from dataclasses import replace
 
 import numpy as np
 
-from ..transfer import TransferFunction, srgb_to_linear
+from ..labels.style import distinct_colours
+from ..transfer import TransferFunction
 from ..volume import FloatArray, Volume
 from .survey import Survey
 
@@ -65,22 +65,12 @@ def _mask(found: Survey, solid: float) -> TransferFunction:
 
 def _labels(found: Survey, solid: float) -> TransferFunction:
     points: list[Point] = []
-    for number, label in enumerate(found.labels):
+    for label, (r, g, b) in zip(found.labels, distinct_colours(found.labels).tolist(), strict=True):
         if label == found.labels[0]:
             points += [(label, (0.0, 0.0, 0.0), 0.0), (label + 0.5, (0.0, 0.0, 0.0), 0.0)]
             continue
-        colour = label_colour(number - 1)
-        points += [(label - 0.5, colour, solid), (label + 0.5, colour, solid)]
+        points += [(label - 0.5, (r, g, b), solid), (label + 0.5, (r, g, b), solid)]
     return TransferFunction(points)
-
-
-def label_colour(number: int) -> tuple[float, float, float]:
-    """Linear colour of a label: neighbours in number differ in hue by the golden angle, and in lightness and saturation."""
-    hue = (0.03 + number * 0.6180339887498949) % 1
-    saturation = (0.62, 0.45, 0.78)[number % 3]
-    value = (0.92, 0.78, 0.86, 0.68)[number % 4]
-    r, g, b = srgb_to_linear(colorsys.hsv_to_rgb(hue, saturation, value))
-    return float(r), float(g), float(b)
 
 
 def _ct(found: Survey, spacing: float) -> TransferFunction:

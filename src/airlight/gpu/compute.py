@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +24,7 @@ class Pipeline:
     program: Program
     pipeline: Any
     layouts: tuple[Any, ...]
+    bytes: ClassVar[int] = 4 << 20  # about what a lit march takes on lavapipe
 
 
 def pipeline_of(device: Device, program: Program) -> Pipeline:
@@ -34,10 +35,7 @@ def pipeline_of(device: Device, program: Program) -> Pipeline:
     ShaderError
         With file and line of the WGSL at fault, and the compiler's words.
     """
-    key = ("pipeline", program.key)
-    if key not in device.kept:
-        device.kept[key] = _compile(device, program)
-    found: Pipeline = device.kept[key]
+    found: Pipeline = device.kept.get(("pipeline", program.key), lambda: _compile(device, program))
     return found
 
 
@@ -82,7 +80,7 @@ def _layout_entry(device: Device, binding: Binding) -> dict[str, Any]:
             entry["texture"] = {"sample_type": kind, "view_dimension": "2d-array" if binding.kind == "layers" else "3d"}
         case "labels":
             entry["texture"] = {"sample_type": "uint", "view_dimension": "3d"}
-        case "grid" | "gradients":
+        case "grid" | "gradients" | "openness" | "filtered":
             entry["texture"] = {"sample_type": "float", "view_dimension": "3d"}
         case "sampler":
             entry["sampler"] = {"type": "filtering"}
@@ -117,10 +115,11 @@ def dispatch(device: Device, pipeline: Pipeline, groups: list[Any], counts: tupl
 
 def buffer(device: Device, name: Hashable, size: int, usage: int) -> Any:
     """Buffer of at least a size, kept by name for the next frame."""
-    kept = device.kept.get(name)
-    if kept is None or kept.size < size or kept.size > 4 * size:
-        device.kept[name] = kept = device.gpu.create_buffer(size=-(-size // 16) * 16, usage=usage)
-    return kept
+    key = ("buffer", name)
+    found = device.kept.find(key)
+    if found is not None and not size <= found.size <= 4 * size:
+        device.kept.drop(key)
+    return device.kept.get(key, lambda: device.gpu.create_buffer(size=-(-size // 16) * 16, usage=usage))
 
 
 def storage_buffer(device: Device, name: Hashable, size: int) -> Any:
@@ -153,8 +152,6 @@ def write_storage(device: Device, name: str, data: bytes) -> Any:
 
 
 def linear_sampler(device: Device) -> Any:
-    """Sampler that interpolates and clamps to the edge."""
-    key = ("sampler",)
-    if key not in device.kept:
-        device.kept[key] = device.gpu.create_sampler(mag_filter="linear", min_filter="linear")
-    return device.kept[key]
+    """Sampler that interpolates, between levels, too, and clamps to the edge."""
+    filters = {"mag_filter": "linear", "min_filter": "linear", "mipmap_filter": "linear"}
+    return device.kept.get(("sampler",), lambda: device.gpu.create_sampler(**filters))

@@ -14,6 +14,7 @@ from wgpu.backends.wgpu_native.extras import set_instance_extras
 
 from ..errors import DeviceError
 from ..shader.program import Traits
+from .cache import Cache, default_limit
 from .quick_types import parse_types_quickly
 
 KINDS = {"DiscreteGPU": "discrete", "IntegratedGPU": "integrated", "CPU": "software"}
@@ -62,7 +63,7 @@ class DeviceInfo:
 class Device:
     """An opened device with what follows from its adapter. Owned and used by the render thread alone."""
 
-    def __init__(self, adapter: Any, info: DeviceInfo, core: bool) -> None:
+    def __init__(self, adapter: Any, info: DeviceInfo, core: bool, keep_bytes: int | None = None) -> None:
         self.info = info
         features = [] if core else [f for f in FEATURES if f in adapter.features]
         limits = CORE_LIMITS if core else {k: v for k, v in adapter.limits.items() if k.startswith(("max-", "min-"))}
@@ -74,7 +75,7 @@ class Device:
             ) from error
         self.features = frozenset(features)
         self.core = core
-        self.kept: dict[Any, Any] = {}
+        self.kept = Cache(default_limit(info.kind, adapter.limits) if keep_bytes is None else keep_bytes)
 
     @property
     def limits(self) -> dict[str, int]:
@@ -97,9 +98,9 @@ class Device:
 
         By reading a few bytes back: ``on_submitted_work_done`` of wgpu-py 0.32 raises a TypeError for its callback's type.
         """
-        if "wait" not in self.kept:
-            self.kept["wait"] = self.gpu.create_buffer(size=16, usage=wgpu.BufferUsage.COPY_SRC | wgpu.BufferUsage.COPY_DST)
-        self.queue.read_buffer(self.kept["wait"], 0, 4)
+        usage = wgpu.BufferUsage.COPY_SRC | wgpu.BufferUsage.COPY_DST
+        read = self.kept.get(("wait",), lambda: self.gpu.create_buffer(size=16, usage=usage))
+        self.queue.read_buffer(read, 0, 4)
 
     def close(self) -> None:
         """Release everything at once."""
@@ -164,7 +165,10 @@ def devices(wanted: str | None = None) -> list[DeviceInfo]:
     return [replace(info, chosen=info == taken) for _, info in adapters()]
 
 
-def open_device(wanted: str | None = None) -> Device:
-    """Open the adapter that ``choose`` picks. ``AIRLIGHT_CORE=1`` keeps to core WebGPU's limits, without features."""
+def open_device(wanted: str | None = None, keep_bytes: int | None = None) -> Device:
+    """Open the adapter that ``choose`` picks. ``AIRLIGHT_CORE=1`` keeps to core WebGPU's limits, without features.
+
+    ``keep_bytes`` bounds what is kept from frame to frame; None leaves it to ``AIRLIGHT_KEEP`` and the adapter.
+    """
     adapter, info = choose(wanted)
-    return Device(adapter, info, core=os.environ.get("AIRLIGHT_CORE", "") not in ("", "0"))
+    return Device(adapter, info, core=os.environ.get("AIRLIGHT_CORE", "") not in ("", "0"), keep_bytes=keep_bytes)

@@ -1,4 +1,4 @@
-"""Textures with a texel for each voxel, computed on the device: gradients in half floats, media in floats."""
+"""Textures with a texel for each voxel, computed on the device: gradients, media, numbers of directions."""
 
 from __future__ import annotations
 
@@ -8,17 +8,10 @@ from typing import Any
 import wgpu
 
 from ..shader.program import Program
-from ..stage import Context
-from ..stages.field_channels import scalar_range
 from . import compute, textures
 from .device import Device
 
 VOXELS_PER_DISPATCH = 1 << 21
-
-
-def gradient_scale(context: Context) -> float:
-    """Factor between half floats and data units per world unit: no gradient of the data comes near their limit."""
-    return max(scalar_range(context, "minimum", "maximum") / min(context.volume.spacing), 1e-30)
 
 
 def compute_voxels(
@@ -30,16 +23,16 @@ def compute_voxels(
     bound: Mapping[str, Any],
     size: tuple[int, int, int],
     progress: textures.Progress,
+    at_once: int = VOXELS_PER_DISPATCH,
 ) -> Any:
-    """Texture that a program fills as its ``output``; gradients are divided by ``gradient_scale``.
+    """Texture that a program fills as its ``output``.
 
     ``pack`` gives the uniforms for the slices from a number on, ``bound`` the views and samplers by the names of bindings.
     """
     textures.check_size(device, size)
     pipeline = compute.pipeline_of(device, program)
-    usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.STORAGE_BINDING
-    texture = device.gpu.create_texture(size=size, dimension="3d", format=texel_format, usage=usage)
-    rows = max(1, VOXELS_PER_DISPATCH // (size[0] * size[1]))
+    texture = written_texture(device, size, texel_format)
+    rows = max(1, at_once // (size[0] * size[1]))
     for z in range(0, size[2], rows):
         uniforms = compute.write_uniforms(device, f"uniforms of {output}", pack(z))
         resources = {**bound, "uniforms": uniforms, output: texture.create_view()}
@@ -49,3 +42,9 @@ def compute_voxels(
         device.wait()
         progress(output.removesuffix("_out"), z + depth, size[2])
     return texture
+
+
+def written_texture(device: Device, size: tuple[int, int, int], texel_format: str) -> Any:
+    """3-D texture that one program writes and another reads."""
+    usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.STORAGE_BINDING
+    return device.gpu.create_texture(size=size, dimension="3d", format=texel_format, usage=usage)

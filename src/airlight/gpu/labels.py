@@ -46,7 +46,7 @@ def upload_labels(device: Device, labels: LabelNumbers, progress: Progress) -> V
             (width, height, len(cells)),
         )
         progress("upload labels", z + len(cells), depth)
-    return VolumeTexture(texture, encoding, row * height * depth)
+    return VolumeTexture(texture, (encoding,), row * height * depth)
 
 
 def label_cells(labels: LabelNumbers) -> Iterator[tuple[int, Numbers]]:

@@ -6,7 +6,7 @@ as half floats there, which hold whole numbers up to 2048 exactly.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,6 +15,7 @@ import numpy.typing as npt
 import wgpu
 
 from ..errors import LimitError
+from ..reconstruction.levels import coarser, level_sizes
 from ..stage import Grid
 from ..volume import is_empty, statistics
 from .device import Device
@@ -39,11 +40,16 @@ class Encoding:
 
 @dataclass(frozen=True, eq=False)
 class VolumeTexture:
-    """A texture with its encoding."""
+    """A texture with the encoding of each channel, all of one format."""
 
     texture: Any
-    encoding: Encoding
+    encodings: tuple[Encoding, ...]
     bytes: int
+
+    @property
+    def encoding(self) -> Encoding:
+        """Encoding of the channel that loses most."""
+        return max(self.encodings, key=lambda encoding: encoding.error)
 
 
 def choose_encoding(
@@ -68,9 +74,7 @@ def choose_encoding(
     if dtype == np.float16:
         return Encoding("r16float", "f2", 1.0, 0.0)
     if float32:
-        largest = max(abs(low), abs(high))
-        exact = dtype == np.float32 or (dtype.kind in "iu" and largest <= 2**24)
-        return Encoding("r32float", "f4", 1.0, 0.0, 0.0 if exact else largest * 2.0**-24)
+        return Encoding("r32float", "f4", 1.0, 0.0, float32_error(dtype, low, high))
     # Half floats are densest around zero: centre the range there. Whole numbers up to 2048 stay exact.
     middle = float(np.round((low + high) / 2)) if dtype.kind in "iu" else (low + high) / 2
     reach = max(high - middle, middle - low)
@@ -78,6 +82,13 @@ def choose_encoding(
         return Encoding("r16float", "f2", 1.0, middle)
     scale = reach or 1.0
     return Encoding("r16float", "f2", scale, middle, scale * 2.0**-12)
+
+
+def float32_error(dtype: np.dtype[Any], low: float, high: float) -> float:
+    """Bound of what 32-bit floats lose of samples of a type within a range, in data units."""
+    largest = max(abs(low), abs(high))
+    exact = dtype == np.float32 or dtype.itemsize <= 2 or (dtype.kind in "iu" and largest <= 2**24)
+    return 0.0 if exact else largest * 2.0**-24
 
 
 def encode(part: npt.NDArray[Any], encoding: Encoding) -> npt.NDArray[Any]:
@@ -117,16 +128,20 @@ def upload_grid(device: Device, grid: Grid, progress: Progress) -> VolumeTexture
     check_size(device, size)
     stacks = [grid.channels[first : first + 4] for first in range(0, len(grid.channels), 4)]
     check_stack(device, size, len(stacks))
-    encoding, width = encoding_of(device, grid), texel_width(grid)
+    encodings, width = encodings_of(device, grid), texel_width(grid)
+    encoding = encodings[0]
     usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
     shape = (size[0], size[1], size[2] * len(stacks))
-    texture = device.gpu.create_texture(size=shape, dimension="3d", format=encoding.format, usage=usage)
+    sizes = level_sizes(size) if grid.levels else (shape,)
+    texture = device.gpu.create_texture(
+        size=shape, dimension="3d", format=encoding.format, usage=usage, mip_level_count=len(sizes)
+    )
     row = size[0] * width * np.dtype(encoding.dtype).itemsize
     rows = max(1, CHUNK_BYTES // max(1, row * size[1]))
     for stack, channels in enumerate(stacks):
         samples = [volume.grid(channel, grid.time) for channel in channels]
         for z in range(0, size[2], rows):
-            part = _texels([s[z : z + rows] for s in samples], grid, encoding, width)
+            part = _texels([s[z : z + rows] for s in samples], grid, encodings[4 * stack : 4 * stack + 4], width)
             first = stack * size[2] + z
             device.queue.write_texture(
                 {"texture": texture, "origin": (0, 0, first)},
@@ -135,7 +150,22 @@ def upload_grid(device: Device, grid: Grid, progress: Progress) -> VolumeTexture
                 (size[0], size[1], part.shape[0]),
             )
             progress("upload", first + part.shape[0], shape[2])
-    return VolumeTexture(texture, encoding, row * size[1] * shape[2])
+    if grid.levels:
+        _write_levels(device, grid, texture, encoding)
+    voxel = width * np.dtype(encoding.dtype).itemsize
+    return VolumeTexture(texture, encodings, voxel * sum(x * y * z for x, y, z in sizes))
+
+
+def _write_levels(device: Device, grid: Grid, texture: Any, encoding: Encoding) -> None:
+    """Fill the coarser levels of a texture of one channel."""
+    for number, level in enumerate(coarser(grid.volume.grid(grid.channels[0], grid.time)), 1):
+        part = np.ascontiguousarray(encode(level, encoding))
+        device.queue.write_texture(
+            {"texture": texture, "mip_level": number},
+            part,
+            {"bytes_per_row": part.shape[2] * part.itemsize, "rows_per_image": part.shape[1]},
+            part.shape[::-1],
+        )
 
 
 def texel_width(grid: Grid) -> int:
@@ -143,27 +173,34 @@ def texel_width(grid: Grid) -> int:
     return 1 if len(grid.channels) == 1 else 2 if len(grid.channels) == 2 and not grid.masked else 4
 
 
-def encoding_of(device: Device, grid: Grid) -> Encoding:
-    """Encoding of a grid, one for all its channels."""
+def encodings_of(device: Device, grid: Grid) -> tuple[Encoding, ...]:
+    """Encodings of a grid's channels: one format, which follows from the type, each in its own range."""
+    known = [statistics(grid.volume, channel, grid.time) for channel in grid.channels]
+    return tuple(_encoding_of(device, grid, one.minimum, one.maximum) for one in known)
+
+
+def _encoding_of(device: Device, grid: Grid, low: float, high: float) -> Encoding:
     dtype, width = grid.volume.dtype, texel_width(grid)
     if grid.masked:
-        return Encoding(f"{WIDTHS[width]}32float", "f4", 1.0, 0.0, 0.0 if dtype.itemsize <= 2 else 2.0**-24)
-    known = [statistics(grid.volume, channel, grid.time) for channel in grid.channels]
-    low, high = min(k.minimum for k in known), max(k.maximum for k in known)
+        return Encoding(f"{WIDTHS[width]}32float", "f4", 1.0, 0.0, float32_error(dtype, low, high))
+    if grid.levels and dtype.kind in "biu":
+        if dtype.itemsize == 1:  # half floats hold the samples exactly, and means to a sixteenth
+            return Encoding("r16float", "f2", 1.0, 0.0, 2.0**-12 * max(abs(low), abs(high)))
+        dtype = np.dtype(np.float32)  # means are no whole numbers
     return choose_encoding(dtype, low, high, filtered=grid.filtered, device=device, width=width)
 
 
-def _texels(samples: list[npt.NDArray[Any]], grid: Grid, encoding: Encoding, width: int) -> npt.NDArray[Any]:
+def _texels(samples: list[npt.NDArray[Any]], grid: Grid, encodings: Sequence[Encoding], width: int) -> npt.NDArray[Any]:
     """Texels of the same slices of channels; what a channel more would have is empty, or the least that texels hold."""
 
-    def one(part: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    def one(part: npt.NDArray[Any], encoding: Encoding) -> npt.NDArray[Any]:
         return encode_masked(part, grid.volume.no_data) if grid.masked else encode(part, encoding)
 
     if width == 1:
-        return one(samples[0])
-    texels = np.full((*samples[0].shape, width), EMPTY if grid.masked else 0, dtype=encoding.dtype)
-    for number, part in enumerate(samples):
-        texels[..., number] = one(part)
+        return one(samples[0], encodings[0])
+    texels = np.full((*samples[0].shape, width), EMPTY if grid.masked else 0, dtype=encodings[0].dtype)
+    for number, (part, encoding) in enumerate(zip(samples, encodings, strict=True)):
+        texels[..., number] = one(part, encoding)
     return texels
 
 

@@ -1,6 +1,7 @@
 """The render thread: it alone uses the device; others post work to it and get futures.
 
 The queue is fair: views take turns, and of each view only the newest frame is kept. Work of no view is done in order.
+Between jobs it tidies up when it is woken, which finalizers may do at any time.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass, field
+from queue import SimpleQueue
 from typing import Any, Generic, TypeVar
 
 from ..errors import DeviceError
@@ -50,12 +52,15 @@ def _settle(job: Job[Any]) -> None:
 
 
 class RenderThread:
-    """One daemon thread with a fair queue."""
+    """One daemon thread with a fair queue; it calls ``idle`` whenever it has been woken from waiting."""
 
-    def __init__(self, name: str = "airlight-render") -> None:
+    def __init__(self, name: str = "airlight-render", idle: Callable[[], None] = lambda: None) -> None:
         self._views: OrderedDict[Hashable, list[Job[Any]]] = OrderedDict()
         self._running: tuple[Hashable, Job[Any]] | None = None
-        self._wake = threading.Condition()
+        self._lock = threading.RLock()
+        # Unlike a condition, a SimpleQueue may be told something in the midst of anything, by a finalizer, too.
+        self._bell: SimpleQueue[None] = SimpleQueue()
+        self._idle = idle
         self._closed = False
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
@@ -63,31 +68,35 @@ class RenderThread:
     def submit(self, work: Callable[[Job[T]], T], view: Hashable = None) -> Future[T]:
         """Post work; of one ``view``, older frames that wait or run are given up."""
         job: Job[T] = Job(work)
-        with self._wake:
+        with self._lock:
             if self._closed:
                 raise DeviceError("renderer", "is closed", "make a new one")
             if view is not None:
                 self._give_up(view)
             self._views.setdefault(view, []).append(job)
-            self._wake.notify()
+        self.wake()
         return job.future
+
+    def wake(self) -> None:
+        """Have the thread look for work and tidy up; allowed anywhere."""
+        self._bell.put(None)
 
     def close_view(self, view: Hashable) -> None:
         """Give up the frames of one view and of no other."""
-        with self._wake:
+        with self._lock:
             self._give_up(view)
             self._views.pop(view, None)
 
     def close(self, last: Callable[[], None] | None = None, wait: bool = True) -> None:
         """Give up what waits, run ``last`` on the thread and end it. Idempotent."""
-        with self._wake:
+        with self._lock:
             if not self._closed:
                 for view in list(self._views):
                     self._give_up(view)
                 self._views.clear()
                 self._last = last
             self._closed = True
-            self._wake.notify()
+        self.wake()
         if wait and threading.current_thread() is not self._thread:
             self._thread.join(timeout=60)
 
@@ -99,8 +108,8 @@ class RenderThread:
             self._running[1].cancel()
 
     def _next(self) -> tuple[Hashable, Job[Any]] | None:
-        with self._wake:
-            while True:
+        while True:
+            with self._lock:
                 for view, jobs in self._views.items():
                     if jobs:
                         # The view goes to the end of the line.
@@ -109,7 +118,9 @@ class RenderThread:
                         return self._running
                 if self._closed:
                     return None
-                self._wake.wait()
+            self._bell.get()
+            if self._bell.empty():
+                self._idle()
 
     def _run(self) -> None:
         while (turn := self._next()) is not None:
@@ -118,7 +129,7 @@ class RenderThread:
                 if not job.cancelled.is_set() and job.future.set_running_or_notify_cancel():
                     _settle(job)
             finally:
-                with self._wake:
+                with self._lock:
                     self._running = None
                 # The thread keeps no scene and no image while it waits.
                 del job, turn

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import DataError, FileError, MissingExtraError
-from ..volume import AnyArray, Source, Volume, affine
+from ..volume import AnyArray, Source, Volume, affine, unmistakable
 from .given import recipe
 from .hdf5_imaris import read_imaris
 from .options import ReadOptions
@@ -51,7 +51,7 @@ def read(path: Path, options: ReadOptions) -> Volume:
         names = tuple(_text(n) for n in np.ravel(dataset.attrs.get("channel_names", ())))
         fill = dataset.attrs.get("_FillValue")
         return Volume(
-            array,
+            unmistakable(array) if any(_told_axes(dataset)) else array,
             world_from_index=affine(told or given or (1.0, 1.0, 1.0), (0, 0, 0), where),
             units=units,
             value_unit=_text(dataset.attrs.get("value_unit", "")),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import DataError, FileError
-from ..volume import Source, Volume
+from ..volume import Source, Volume, unmistakable
 from .options import ReadOptions
 from .samples import byte_count, check_kind
 from .units import unit_name
@@ -45,7 +45,7 @@ def read_imaris(file: Any, path: Path, options: ReadOptions) -> Volume:
     names = [file["DataSetInfo"].get(f"Channel {c}") for c in range(shape[1])]
     told = tuple(_attribute(n, "Name") if n is not None and "Name" in n.attrs else "" for n in names)
     return Volume(
-        array if shape[0] > 1 else array[0] if shape[1] > 1 else array[0, 0],
+        unmistakable(array if shape[0] > 1 else array[0] if shape[1] > 1 else array[0, 0]),
         world_from_index=matrix,
         units=unit_name(_attribute(image, "Unit")) if "Unit" in image.attrs else "",
         channel_names=told if all(told) else (),

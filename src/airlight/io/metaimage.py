@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import DataError, FileError
-from ..volume import Source, Volume
+from ..volume import Source, Volume, unmistakable
 from .messages import shown
 from .options import ReadOptions
 from .paths import detached, numbered
@@ -60,7 +60,7 @@ def read(path: Path, options: ReadOptions) -> Volume:
     if anatomical:
         matrix, unit = in_millimetres(matrix, unit), "mm"
     return Volume(
-        scaled(array, slope, intercept, where, options),
+        unmistakable(scaled(array, slope, intercept, where, options)),
         world_from_index=matrix,
         units=unit,
         times=tuple(start + step * i for i in range(sizes[3])) if dimensions == 4 else (),

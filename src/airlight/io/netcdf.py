@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import AirlightError, DataError, FileError, MissingExtraError
-from ..volume import AnyArray, FloatArray, Source, Volume
+from ..volume import AnyArray, FloatArray, Source, Volume, unmistakable
 from .netcdf_axes import axis_letters, world
 from .options import ReadOptions
 from .samples import byte_count, check_kind
@@ -49,7 +49,7 @@ def read(path: Path, options: ReadOptions) -> Volume:
         if "t" in letters and "c" not in letters:
             array = array[:, None]
         return Volume(
-            np.ascontiguousarray(array),
+            unmistakable(np.ascontiguousarray(array)),
             world_from_index=matrix,
             units=units,
             value_unit="" if unit == "1" else unit,

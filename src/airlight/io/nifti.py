@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import DataError, FileError
-from ..volume import Source, Volume
+from ..files import replacing
+from ..volume import Source, Volume, unmistakable
 from .messages import shown
 from .options import ReadOptions
-from .paths import detached, replacing
+from .paths import detached
 from .samples import AnyArray, check_kind, codec_of, load, scaled, stream
 from .units import MILLIMETRES, in_lps, in_millimetres, unit_name
 
@@ -110,8 +111,7 @@ def _arranged(array: AnyArray) -> AnyArray:
     """``(c, t, z, y, x)`` as ``(t, c, z, y, x)``; 4-D files are time; one step alone is left out."""
     if array.ndim == 5:
         array = array.swapaxes(0, 1)
-        # With four axes, a last one of three or four voxels would be taken for colours.
-        return array[0] if array.shape[0] == 1 and array.shape[-1] not in (3, 4) else array
+        return array[0] if array.shape[0] == 1 else array
     if array.ndim == 4:
         return array[0] if array.shape[0] == 1 else array[:, None]
     return array
@@ -137,7 +137,7 @@ def _volume(path: Path, header: Any, array: AnyArray, names: tuple[str, ...]) ->
     if array.ndim == 5 and len(zooms) > 3 and zooms[3] > 0:
         times = tuple(float(header["toffset"]) + float(zooms[3]) * i for i in range(array.shape[0]))
     return Volume(
-        array,
+        unmistakable(array),
         world_from_index=in_lps(affine, "RAS"),
         units=space,
         channel_names=names,

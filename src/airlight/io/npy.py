@@ -10,11 +10,11 @@ from typing import IO, Any
 import numpy as np
 
 from ..errors import DataError, FileError
+from ..files import replacing
 from ..volume import Source, Volume
 from .inflate import check_ratio
 from .messages import brief, shown
 from .options import ReadOptions
-from .paths import replacing
 from .samples import AnyArray, byte_count, check_kind, check_size, read_array
 
 GEOMETRY = ("world_from_index", "spacing", "origin", "units")

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import FileError
-from ..volume import Source, Volume
+from ..volume import Source, Volume, unmistakable
 from .messages import brief, shown
 from .nrrd_axes import axes_of
 from .nrrd_write import write
@@ -53,7 +53,7 @@ def read(path: Path, options: ReadOptions) -> Volume:
     names = _listed(fields, "channel_names") or axes.channel_names
     times = _listed(fields, "times") or axes.times
     return Volume(
-        array,
+        unmistakable(array),
         world_from_index=axes.world_from_index,
         units=axes.units,
         value_unit=str(fields.get("sample units", fields.get("sampleunits", ""))).strip().strip('"'),

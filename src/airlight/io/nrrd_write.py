@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import FileError
+from ..files import replacing
 from ..volume import Volume
-from .paths import replacing
 from .samples import AnyArray
 
 TYPES = {

@@ -1,11 +1,7 @@
-"""Paths: files that a header points to, and files that appear whole or not at all."""
+"""Paths: files that a header points to."""
 
 from __future__ import annotations
 
-import contextlib
-import os
-import secrets
-from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import FileError
@@ -42,16 +38,3 @@ def numbered(pattern: str, number: int, key: str) -> str:
     if not letter or not (width.isdigit() or not width) or int(width or 0) > 12:
         raise FileError(key, f"is the pattern {shown(pattern)}", "write one number like %03d into it")
     return before + (f"{number:0{int(width)}d}" if width.startswith("0") else f"{number:{int(width or 1)}d}") + after
-
-
-@contextlib.contextmanager
-def replacing(path: Path, suffix: str = "") -> Iterator[Path]:
-    """A new name beside ``path`` to write to; it takes the place of ``path`` once the block ends without an error."""
-    if not path.absolute().parent.is_dir():
-        raise FileError(str(path), "cannot be written, its folder is not there", f"make {path.parent}")
-    temporary = path.with_name(f".airlight-{secrets.token_hex(8)}{suffix or path.suffix}")
-    try:
-        yield temporary
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)

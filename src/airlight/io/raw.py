@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import DataError, FileError
-from ..volume import Source, Volume, affine
+from ..volume import Source, Volume, affine, unmistakable
 from .messages import shown
 from .options import ReadOptions
 from .paths import detached
@@ -51,7 +51,8 @@ def read(path: Path, options: ReadOptions) -> Volume:
         raise DataError("offset", f"is {options.offset_bytes}, must not be negative")
     dtype = _dtype(options.dtype, options.big_endian)
     array = load(path, dtype, shape, options, offset=options.offset_bytes)
-    return Volume(array, spacing=options.spacing, name=path.name, source=Source(str(path), options=_recipe(options)))
+    source = Source(str(path), options=_recipe(options))
+    return Volume(unmistakable(array), spacing=options.spacing, name=path.name, source=source)
 
 
 def _dtype(name: str, big_endian: bool) -> np.dtype[Any]:
@@ -98,7 +99,7 @@ def _read_described(path: Path, options: ReadOptions) -> Volume:
     array = array[..., 0] if channels == 1 else np.moveaxis(array, -1, 0)
     recipe = (("big_endian", "true"),) if options.big_endian else ()
     return Volume(
-        array,
+        unmistakable(array),
         world_from_index=affine(spacing, (0, 0, 0), f"{where}: SliceThickness"),
         channel_names=("red", "green", "blue", "alpha")[:channels] if model in ("RGB", "RGBA") else (),
         name=path.name,

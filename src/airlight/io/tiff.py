@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import AirlightError, DataError, FileError, MissingExtraError
-from ..volume import AnyArray, Source, Volume
+from ..volume import AnyArray, Source, Volume, unmistakable
 from .given import recipe
 from .options import ReadOptions
 from .paths import detached
@@ -73,7 +73,7 @@ def read(path: Path, options: ReadOptions) -> Volume:
     array = _ordered(array, axes)
     counts = (array.shape[-4] if array.ndim > 3 else 1, array.shape[0] if array.ndim == 5 else 1)
     return Volume(
-        array,
+        unmistakable(array),
         world_from_index=matrix,
         units=meta.units,
         channel_names=meta.channels if len(meta.channels) == counts[0] else (),

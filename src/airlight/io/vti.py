@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import DataError, FileError
-from ..volume import Source, Volume
+from ..volume import Source, Volume, unmistakable
 from .messages import brief, shown
 from .options import ReadOptions
 from .samples import AnyArray, byte_count, parse_text
@@ -60,7 +60,7 @@ def read(path: Path, options: ReadOptions) -> Volume:
         raise FileError(where, what, f"its arrays are: {known[:500]}")
     array, names = _channels(chosen, file, options)
     return Volume(
-        array,
+        unmistakable(array),
         world_from_index=matrix,
         channel_names=names,
         name=path.name,

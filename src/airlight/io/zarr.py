@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import AirlightError, DataError, FileError, MissingExtraError
-from ..volume import AnyArray, FloatArray, Source, Volume
+from ..volume import AnyArray, FloatArray, Source, Volume, unmistakable
 from .given import recipe
 from .options import ReadOptions
 from .samples import byte_count, check_kind
@@ -108,7 +108,7 @@ def _image(node: Any, path: Path, options: ReadOptions) -> Volume:
     channels = [str(c.get("label") or "") for c in (told.get("omero") or {}).get("channels") or ()]
     count = samples.shape[-4] if samples.ndim > 3 else 1
     return Volume(
-        samples,
+        unmistakable(samples),
         world_from_index=matrix,
         units=units,
         value_unit=str(own.get("value_unit", "")),

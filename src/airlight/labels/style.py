@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import colorsys
-import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -13,13 +12,15 @@ import numpy.typing as npt
 
 from ..errors import ValueRangeError
 from ..transfer import TransferFunction, linear_rgb, srgb_to_linear
-from ..transfer.colour import Colour
+from ..transfer.colour import MOST_COLOUR, Colour
+from ..transfer.given import set_fields, share
 
 Vector = tuple[float, float, float]
 
 SATURATIONS, LIGHTNESSES = (0.62, 0.45, 0.78), (0.92, 0.78, 0.86, 0.68)
 SHADES = len(SATURATIONS) * len(LIGHTNESSES)
 HUES = 256
+GREY_TAKEN = 0.8  # of a colour that stands out
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)  # 2^64 divided by the golden ratio
 
 
@@ -48,13 +49,10 @@ class LabelStyle:
     transfer: TransferFunction | None = None
 
     def __init__(self, colour: Colour | None = None, opacity: float = 1.0, transfer: TransferFunction | None = None) -> None:
-        if not isinstance(opacity, numbers.Real) or not 0 <= opacity <= 1:
-            raise ValueRangeError("label.opacity", f"is {opacity!r}, must lie in [0, 1]")
         if transfer is not None and not isinstance(transfer, TransferFunction):
             raise ValueRangeError("label.transfer", f"is a {type(transfer).__name__}", "give a TransferFunction")
-        object.__setattr__(self, "colour", None if colour is None else linear_rgb(colour, "label.colour"))
-        object.__setattr__(self, "opacity", float(opacity))
-        object.__setattr__(self, "transfer", transfer)
+        rgb = None if colour is None else linear_rgb(colour, "label.colour", MOST_COLOUR)
+        set_fields(self, colour=rgb, opacity=share(opacity, "label.opacity"), transfer=transfer)
 
     def tint(self, label: int) -> Vector:
         """Linear factor of the colours in the region of a label."""
@@ -88,6 +86,16 @@ def luminance(rgb: tuple[float, float, float]) -> float:
     """Brightness of a linear colour (Rec. 709)."""
     r, g, b = rgb
     return 0.2126 * r + 0.7152 * g + 0.0722 * b
+
+
+def vivid(rgb: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Linear colours (..., 3) as pure and bright as a factor can be: most of their grey taken out, the greatest component 1.
+
+    Greys become white, black stays.
+    """
+    purer = rgb - GREY_TAKEN * rgb.min(axis=-1, keepdims=True)
+    greatest = purer.max(axis=-1, keepdims=True)
+    return np.asarray(purer / np.where(greatest > 0, greatest, 1.0))
 
 
 def distinct_colours(labels: Any) -> npt.NDArray[np.float64]:

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .dense import label_numbers
-from .style import LabelStyle, distinct_colours
+from .style import LabelStyle, distinct_colours, vivid
 from .value import Labels
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear light, Rec. 709
@@ -47,8 +47,10 @@ def _rows(labels: Labels, time: int) -> npt.NDArray[np.float64]:
         if number >= 0:
             put(int(number), style, label)
     if labels.highlighted:
+        bright = _there(numbers.of(labels.highlighted))
+        rows[bright, :3] = vivid(rows[bright, :3])
         faded = np.ones(len(rows), dtype=bool)
-        faded[_there(numbers.of(labels.highlighted))] = False
+        faded[bright] = False
         rows[faded, 3] *= labels.fade
         rows[faded, :3] = (rows[faded, :3] @ LUMINANCE)[:, None]
     rows[_there(numbers.of(labels.hidden)), 3] = 0.0

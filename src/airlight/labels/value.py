@@ -7,21 +7,22 @@ import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from numbers import Integral, Real
+from numbers import Integral
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
 from ..errors import DataError, ValueRangeError
 from ..transfer import TransferFunction
 from ..transfer.colour import Colour
-from ..transfer.given import listed
+from ..transfer.given import listed, share
 from ..transfer.kinds import AnyFunction, DrawnFunction
 from ..transfer.regions import ByRegion
 from ..volume import Volume
 from .dense import check_labels, label_numbers
 from .ranges import ids_to_text, text_to_ids
-from .style import LabelStyle, luminance
+from .style import LabelStyle, luminance, vivid
 
 Some = int | str | Iterable[int | str]
 
@@ -48,9 +49,10 @@ class Labels:
     hidden
         Labels that are not drawn.
     highlighted
-        Labels that stand out: while there are any, all others are grey, and their opacities multiplied by ``fade``.
+        Labels that stand out in the pure, bright colours of their hues (greys in white, which keeps the image's colours): while
+        there are any, all others are grey, and their opacities multiplied by ``fade``.
     fade
-        See ``highlighted``; in [0, 1].
+        See ``highlighted``; in [0, 1]. What the presets draw as solid becomes a veil.
     names
         Names of labels, by which they may be called.
 
@@ -89,15 +91,13 @@ class Labels:
         background: int = 0,
         hidden: Iterable[int] = (),
         highlighted: Iterable[int] = (),
-        fade: float = 0.005,
+        fade: float = 0.0005,
         names: Mapping[int, str] | None = None,
     ) -> None:
         if isinstance(volume, (str, os.PathLike)):
             raise DataError("labels", f"got the path {str(volume)!r}", "pass airlight.open(path)")
         volume = volume if isinstance(volume, Volume) else Volume(volume)
         check_labels(volume)
-        if not isinstance(fade, Real) or not 0 <= fade <= 1:
-            raise ValueRangeError("labels.fade", f"is {fade!r}, must lie in [0, 1]")
         given = {_whole(label): _style(style) for label, style in _mapping(styles, "styles").items()}
         object.__setattr__(self, "volume", volume)
         object.__setattr__(self, "styles", tuple(sorted(given.items(), key=lambda item: item[0])))
@@ -105,7 +105,7 @@ class Labels:
         object.__setattr__(self, "background", _whole(background))
         object.__setattr__(self, "hidden", _wholes(hidden, "labels.hidden"))
         object.__setattr__(self, "highlighted", _wholes(highlighted, "labels.highlighted"))
-        object.__setattr__(self, "fade", float(fade))
+        object.__setattr__(self, "fade", share(fade, "labels.fade"))
         named = ((_whole(label), str(name)) for label, name in _mapping(names, "names").items())
         object.__setattr__(self, "names", tuple(sorted(named)))
 
@@ -134,8 +134,11 @@ class Labels:
         return self.style_of(label).opacity * (self.fade if self._is_faded(label) else 1.0)
 
     def tint_of(self, label: int) -> tuple[float, float, float]:
-        """Linear factor of the colours in which a label is drawn now: grey where others are highlighted."""
+        """Linear factor of the colours in which a label is drawn now: vivid where it is highlighted, grey where others are."""
         tint = self.style_of(label).tint(label)
+        if label in self.highlighted:
+            r, g, b = vivid(np.array(tint)).tolist()
+            return r, g, b
         if not self._is_faded(label):
             return tint
         grey = luminance(tint)
@@ -223,9 +226,8 @@ class Labels:
             return frozenset({_whole(label)})
         if label not in self._by_name:
             near = difflib.get_close_matches(label, self._by_name, n=3)
-            raise ValueRangeError(
-                "labels", f"have no {label!r}", f"is it {' or '.join(map(repr, near))}?" if near else "see names"
-            )
+            remedy = "see names" if self.names else "they have no names: give numbers"
+            raise ValueRangeError("labels", f"have no {label!r}", f"is it {' or '.join(map(repr, near))}?" if near else remedy)
         return self._by_name[label]
 
     # -- for scene files

@@ -13,12 +13,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..environment import Environment
 from ..errors import DataError, StageError
 from ..scene import Scene, fit_camera
 from ..stage import make_stage
 from ..volume import FloatArray
 from . import channels as _channels  # noqa: F401  (its functions put themselves into TRANSFERS)
+from . import levels as _levels  # noqa: F401  (its functions put themselves into FIELDS and DERIVATIVES)
+from . import occlusion as _occlusion  # noqa: F401  (it puts its function into VISIBILITIES)
+from . import projections as _projections  # noqa: F401  (its classes put themselves into INTEGRATES)
+from . import quantised as _quantised  # noqa: F401  (it puts its function into LIGHTINGS)
 from .camera import CAMERAS
+from .environment import seen
 from .field import FIELDS
 from .gradient import GRADIENTS
 from .integrate import INTEGRATES
@@ -85,7 +91,9 @@ def render(
     progress: Callable[[float], None] | None = None,
     pixels: npt.ArrayLike | None = None,
     offset_fraction: Fraction | None = None,
-    curved: bool = False,
+    curved: bool = True,
+    refine: str = "bisection",
+    blocks: bool = True,
 ) -> ReferenceImage:
     """Render a scene of one visible layer.
 
@@ -106,7 +114,12 @@ def render(
     offset_fraction
         Called with x and y of pixels; the fraction of a step by which samples of each are shifted away from the eye.
     curved
-        Whether values are put right for the field's curvature along rays, as the driver's option of that name does.
+        Whether values are put right for the field's curvature along rays where the stages gain from it, as the driver's option
+        of that name does; ``converged`` never does.
+    refine
+        How the place of a surface between two samples is sharpened: none, bisection, secant or exact.
+    blocks
+        Whether rays that look for surfaces are sampled in each block of voxels, whatever the step.
 
     Raises
     ------
@@ -114,7 +127,7 @@ def render(
         When the scene does not have one visible layer with a transfer function, or a stage has no function here.
     """
     setup = prepare(scene)
-    return _image(scene, setup, size, step / (substeps or 1), pixels, progress, offset_fraction, curved)
+    return _image(scene, setup, size, step / (substeps or 1), pixels, progress, offset_fraction, curved, refine, blocks)
 
 
 def converged(
@@ -153,12 +166,15 @@ def _image(
     progress: Callable[[float], None] | None = None,
     offset_fraction: Fraction | None = None,
     curved: bool = False,
+    refine: str = "bisection",
+    blocks: bool = True,
 ) -> ReferenceImage:
     # Choose the camera.
     (width, height), camera, tone = size, scene.camera, setup.stages["tone"]
     if isinstance(camera, str):
         cells = bool(getattr(setup.stages["field"], "cells", False))
         camera = fit_camera(camera, setup.layer.volume.corners_world(cells), aspect=width / height)
+    setup = replace(setup, camera=camera, size_px=size)
     # List the pixels, first row on top.
     y, x = (axis.ravel() for axis in np.indices((height, width)))
     if pixels is not None:
@@ -171,8 +187,11 @@ def _image(
         part = slice(first, first + RAYS_AT_ONCE)
         origin, direction = CAMERAS[camera.name](camera, size, x[part], y[part])
         fraction = 0.0 if offset_fraction is None else np.asarray(offset_fraction(x[part], y[part]), dtype=np.float64)
-        result = march(setup, origin, direction, step * setup.spacing_world, fraction, curved)
+        result = march(setup, origin, direction, step * setup.spacing_world, fraction, curved, refine, blocks)
         rgba[part, :3], rgba[part, 3], depth[part] = result.rgb, result.alpha, result.t_world
+        if isinstance(scene.background, Environment):
+            rgba[part, :3] += (1 - result.alpha)[:, None] * seen(scene.background, direction)
+            rgba[part, 3] = 1.0
         if progress is not None:
             progress(min(1.0, (first + RAYS_AT_ONCE) / len(x)))
     # Map the tones and put the pixels in rows.

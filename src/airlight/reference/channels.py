@@ -11,8 +11,9 @@ import numpy as np
 
 from ..transfer.function import TransferFunction
 from ..volume import FloatArray
-from .setup import BoolArray, Sample, Setup
-from .transfer import TRANSFERS, Classified, pieces
+from .homogeneous import homogeneous
+from .setup import BoolArray, Sample, Sent, Setup
+from .transfer import TRANSFERS, pieces
 
 
 def parts(setup: Setup) -> Iterator[tuple[int, TransferFunction]]:
@@ -33,14 +34,14 @@ def media(setup: Setup, sample: Sample) -> tuple[FloatArray, FloatArray]:
 
 
 @np.errstate(under="ignore")
-def postclassified(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Classified:
+def postclassified(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Classify a slab as a homogeneous medium, the mean of the media at its two ends."""
     (source_front, tau_front), (source_back, tau_back) = media(setup, front), media(setup, back)
     return homogeneous((source_front + source_back) / 2, (tau_front + tau_back) / 2, length)
 
 
 @np.errstate(under="ignore")
-def preintegrated(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Classified:
+def preintegrated(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Integrate each function along the straight line between its channel's two values, and attenuate the sum as one medium.
 
     Where one end of a channel is not there, half of the slab is, with the value of the other end.
@@ -58,14 +59,6 @@ def preintegrated(setup: Setup, front: Sample, back: Sample, length: FloatArray)
                 source[rows] += share[:, None] * function.source(value)
                 extinction[rows] += share * function(value)[1]
     return homogeneous(source, extinction, length)
-
-
-def homogeneous(source: FloatArray, extinction: FloatArray, length: FloatArray) -> Classified:
-    """Colour (n, 3) and opacity (n,) of slabs that are the same all along."""
-    depth = extinction * length
-    absorbs = depth > 1e-30
-    mean = np.where(absorbs, -np.expm1(-depth) / np.where(absorbs, depth, 1.0), 1.0)
-    return source * (length * mean)[:, None], -np.expm1(-depth)
 
 
 def known(value: FloatArray) -> tuple[FloatArray, BoolArray]:

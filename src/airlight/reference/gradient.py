@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
+from ..stage import make_stage
 from ..volume import FloatArray
-from .field import field_scalar, trilinear
+from .field import FIELDS, Values, field_scalar, linear, trilinear
+from .filters import DERIVATIVES
 from .setup import BoolArray, Setup
 
 SOBEL = {(i, j): (2 - abs(i)) * (2 - abs(j)) for i in (-1, 0, 1) for j in (-1, 0, 1)}
@@ -48,16 +51,49 @@ def sobel(setup: Setup, p_index: FloatArray) -> FloatArray:
     return _world(setup, slopes)
 
 
+def analytic(setup: Setup, p_index: FloatArray) -> FloatArray:
+    """The derivative of the reconstruction itself."""
+    return _world(setup, DERIVATIVES[setup.stages["field"].name](setup, p_index))
+
+
 def precomputed(setup: Setup, p_index: FloatArray) -> FloatArray:
-    """Gradients at the voxels by the stage's ``method``, interpolated trilinearly whatever the field."""
+    """Gradients at the voxels by the stage's ``method``, interpolated trilinearly whatever the field; bytes are rounded."""
     if "gradient" not in setup.once:
-        nz, ny, nx = setup.grid.shape[:3]
-        z, y, x = np.meshgrid(np.arange(nz), np.arange(ny), np.arange(nx), indexing="ij")
-        voxels = np.stack([x, y, z], axis=-1).reshape(-1, 3).astype(np.float64)
-        method = GRADIENTS[setup.stages["gradient"].method]
-        parts = [method(setup, part) for part in np.array_split(voxels, 1 + len(voxels) // 65536)]
-        setup.once["gradient"] = np.concatenate(parts).reshape(nz, ny, nx, 3)
+        stage = setup.stages["gradient"]
+        setup.once["gradient"] = voxel_gradients(setup, stage.method)
+        if stage.format == "snorm8":
+            longest = 0.2 * float(setup.grid.max() - setup.grid.min()) / setup.spacing_world or 1.0
+            setup.once["gradient"] = signed_bytes(setup.once["gradient"], longest)
     return trilinear(setup.once["gradient"], p_index)
+
+
+def voxel_gradients(setup: Setup, method: str) -> FloatArray:
+    """Gradients (z, y, x, 3) at all voxels by one of the functions of this page."""
+    if setup.stages["field"].name == "linear_with_gradient":
+        setup = replace(setup, stages={**setup.stages, "field": make_stage("field", "linear")})
+    nz, ny, nx = setup.grid.shape[:3]
+    z, y, x = np.meshgrid(np.arange(nz), np.arange(ny), np.arange(nx), indexing="ij")
+    voxels = np.stack([x, y, z], axis=-1).reshape(-1, 3).astype(np.float64)
+    parts = [GRADIENTS[method](setup, part) for part in np.array_split(voxels, 1 + len(voxels) // 65536)]
+    return np.concatenate(parts).reshape(nz, ny, nx, 3)
+
+
+def signed_bytes(vectors: FloatArray, longest: float) -> FloatArray:
+    """Vectors (..., 3) cut to a length, their components rounded to 127 steps each way."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    cut = vectors / np.maximum(length, longest)
+    return np.asarray(np.round(127 * cut) / 127 * longest)
+
+
+def linear_with_gradient(setup: Setup, p_index: FloatArray) -> Values:
+    """Linear interpolation of values that lie beside gradients; signed bytes are rounded."""
+    if setup.stages["gradient"].format == "float16":
+        return linear(setup, p_index)
+    if "values" not in setup.once:
+        low, high = float(setup.grid.min()), float(setup.grid.max())
+        half = (high - low) / 2 or 1.0
+        setup.once["values"] = (low + high) / 2 + half * np.round(127 * (setup.grid - (low + high) / 2) / half) / 127
+    return trilinear(setup.once["values"], p_index), np.zeros(len(p_index), dtype=bool)
 
 
 def _slope(setup: Setup, p_index: FloatArray, axis: int) -> tuple[FloatArray, BoolArray]:
@@ -88,5 +124,8 @@ GRADIENTS: dict[str, Callable[[Setup, FloatArray], FloatArray]] = {
     "zero": zero,
     "central": central,
     "sobel": sobel,
+    "analytic": analytic,
     "precomputed": precomputed,
+    "fetched": precomputed,
 }
+FIELDS["linear_with_gradient"] = linear_with_gradient

@@ -14,9 +14,11 @@ from ..transfer.joint import JointFunction
 from ..volume import FloatArray
 from .modulation import weight
 from .region import part_at
-from .setup import BoolArray, IntArray, Sample, Setup, Slab
+from .setup import BoolArray, IntArray, Sample, Sent, Setup, Slab
 from .surfaces import opacity_share
 from .transfer import TRANSFERS, colour
+
+LEAST_SHARE = 1e-7  # of a slab, to a surface that is passed: at 0 are those in which rays begin
 
 
 @dataclass(eq=False)
@@ -43,16 +45,29 @@ class Integrate:
         """Return the state of rays that have seen nothing."""
         return Accumulated(np.zeros((n, 3)), np.zeros(n), np.full(n, np.inf), np.zeros(n), np.zeros(n))
 
-    def surface(self, front: Sample, back: Sample) -> FloatArray:
-        """Fraction of each slab at which a surface lies, 2 where there is none."""
+    @property
+    def level(self) -> float:
+        """Value of the surface."""
         raise NotImplementedError
 
-    def classify(self, front: Sample, back: Sample, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Colour and opacity of slabs, before light; the region in the middle of a slab tints and thins all of it."""
+    def crossing(self, front: Sample, back: Sample) -> FloatArray:
+        """Fraction of each slab at which the field has a surface, 2 where it has none."""
+        raise NotImplementedError
+
+    def surface(self, front: Sample, back: Sample) -> FloatArray:
+        """Fraction of each slab at which a surface is drawn, 2 where there is none."""
+        raise NotImplementedError
+
+    def classify(self, front: Sample, back: Sample, length: FloatArray) -> Sent:
+        """What slabs send, before they are lit; the region in the middle of a slab tints and thins all of it."""
         tint, opacity = part_at(self.setup, (front.p_index + back.p_index) / 2)
         thinned = length * opacity * weight(self.setup, front, back, length)
-        rgb, alpha = TRANSFERS[self.setup.stages["transfer"].name](self.setup, front, back, thinned)
-        return rgb * tint, alpha
+        sent = TRANSFERS[self.setup.stages["transfer"].name](self.setup, front, back, thinned)
+        return replace(sent, rgb=sent.rgb * tint, back_rgb=sent.back_rgb * tint)
+
+    def sheet(self, hit: Sample, rises: FloatArray) -> Sent:
+        """What surfaces send, met on the way up (1) or down (-1), or where a ray begins (0)."""
+        raise NotImplementedError
 
     def take(self, acc: Accumulated, rays: IntArray, slab: Slab) -> BoolArray:
         """Add the next slab of each of the rays; return which of them need no more."""
@@ -142,23 +157,46 @@ class FirstHit(Integrate):
         super().__init__(setup)
         self.iso = setup.function.half_extinction_value if self.stage.iso is None else float(self.stage.iso)
 
-    def surface(self, front: Sample, back: Sample) -> FloatArray:
-        """Reach the iso-value inside the slab, or begin at or above it, where at least half of the region is drawn."""
-        crossing = (front.value < self.iso) & (back.value >= self.iso)
+    @property
+    def level(self) -> float:
+        """The iso-value."""
+        return self.iso
+
+    def crossing(self, front: Sample, back: Sample) -> FloatArray:
+        """Pass the iso-value inside the slab, or begin in what is solid."""
+        above, goes_above = self._is_above(front.value), self._is_above(back.value)
+        crossing = above != goes_above
         rise = np.where(crossing, back.value - front.value, 1.0)
-        cut = np.where(crossing, (self.iso - front.value) / rise, np.where(front.value >= self.iso, 0.0, 2.0))
+        cut = np.where(crossing, np.maximum((self.iso - front.value) / np.where(rise == 0, 1.0, rise), LEAST_SHARE), 2.0)
+        solid = np.zeros_like(above) if self.stage.side == "both" else above == (self.stage.side == "above")
+        return np.where(solid, 0.0, cut)
+
+    def _is_above(self, value: FloatArray) -> BoolArray:
+        """What lies on the very value is solid."""
+        return np.asarray(value > self.iso if self.stage.side == "below" else value >= self.iso)
+
+    def surface(self, front: Sample, back: Sample) -> FloatArray:
+        """Take crossings where at least half of the region is drawn."""
+        cut = self.crossing(front, back)
         # Opacity runs straight from end to end: a surface may be hidden, or appear where the hidden part ends.
         one, other = part_at(self.setup, front.p_index)[1], part_at(self.setup, back.p_index)[1]
         shown = (1 - cut) * one + cut * other >= 0.5
         appears = ~shown & (cut <= 1) & (other >= 0.5)
         begin = np.where(appears, (0.5 - one) / np.where(appears, other - one, 1.0), 2.0)
-        inside = appears & ((1 - begin) * front.value + begin * back.value >= self.iso)
+        value = (1 - begin) * front.value + begin * back.value
+        inside = appears & (self._is_above(value) == (self.stage.side == "above")) & (self.stage.side != "both")
         return np.where(shown | (cut > 1), cut, np.where(inside, begin, 2.0))
 
-    def classify(self, front: Sample, back: Sample, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the opaque surface."""
-        front = replace(front, value=np.maximum(front.value, self.iso))
-        return colour(self.setup, front) * part_at(self.setup, front.p_index)[0], np.ones(len(length))
+    def sheet(self, hit: Sample, rises: FloatArray) -> Sent:
+        """Return the opaque surface, met on the way up (1) or down (-1), or where a ray begins (0)."""
+        if self.stage.side == "above":
+            hit = replace(hit, value=np.maximum(hit.value, self.iso))
+        rgb = colour(self.setup, hit)
+        for surface in getattr(self.setup.function, "surfaces", ()):
+            if surface.value == self.iso:
+                rgb = np.where((rises > 0)[:, None], surface.front[0], np.where((rises < 0)[:, None], surface.back[0], rgb))
+        rgb, alpha = rgb * part_at(self.setup, hit.p_index)[0], np.ones(len(rises))
+        return Sent(rgb, alpha, rgb / 2, alpha / 2)
 
     def take(self, acc: Accumulated, rays: IntArray, slab: Slab) -> BoolArray:
         """Keep the surface and stop."""

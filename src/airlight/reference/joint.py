@@ -10,32 +10,31 @@ import numpy as np
 from ..volume import FloatArray
 from .field import field_scalar
 from .gradient import field_gradient
-from .setup import BoolArray, Sample, Setup
+from .homogeneous import homogeneous
+from .setup import BoolArray, Sample, Sent, Setup
 
 PIECES = 32
 
 
 @np.errstate(under="ignore")
-def joint(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+def joint(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Classify a slab: the mean of its ends where the stage takes no samples, else the composite of many pieces."""
     a, b = variables(setup, front), variables(setup, back)
     if setup.stages["transfer"].samples == 0:
         source = (setup.function.source(a) + setup.function.source(b)) / 2
         extinction = (setup.function(a)[1] + setup.function(b)[1]) / 2
-        return source * _path(extinction * length, length)[:, None], -np.expm1(-extinction * length)
-    rgb, depth = np.zeros((len(length), 3)), np.zeros(len(length))
+        return homogeneous(source, extinction, length)
+    n = len(length)
+    rgb, back_rgb, back_alpha, depth = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n)
     for piece in range(PIECES):
         here = a + (b - a) * ((piece + 0.5) / PIECES)
-        part = setup.function(here)[1] * length / PIECES
-        rgb += (np.exp(-depth) * _path(part, length / PIECES))[:, None] * setup.function.source(here)
-        depth += part
-    return rgb, -np.expm1(-depth)
-
-
-def _path(depth: FloatArray, length: FloatArray) -> FloatArray:
-    """Length of a homogeneous slab as it is seen: ``length (1 - exp(-depth)) / depth``."""
-    absorbs = depth > 1e-30
-    return length * np.where(absorbs, -np.expm1(-depth) / np.where(absorbs, depth, 1.0), 1.0)
+        light = homogeneous(setup.function.source(here), setup.function(here)[1], length / PIECES)
+        through = np.exp(-depth)
+        rgb += through[:, None] * light.rgb
+        back_rgb += through[:, None] * (piece * light.rgb + light.back_rgb) / PIECES
+        back_alpha += through * (piece * light.alpha + light.back_alpha) / PIECES
+        depth += setup.function(here)[1] * length / PIECES
+    return Sent(rgb, -np.expm1(-depth), back_rgb, back_alpha)
 
 
 def variables(setup: Setup, sample: Sample) -> FloatArray:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from ..stages.driver import gains_from_curvature
 from ..volume import FloatArray
+from .blocks import next_stop
 from .field import field_value
-from .integrate import INTEGRATES, Accumulated
-from .setup import IntArray, Sample, Setup, Slab
+from .integrate import INTEGRATES, Accumulated, Integrate
+from .refine import refined
+from .setup import IntArray, Sample, Setup, dark, made_slab
 from .shade import LIGHTINGS
 
 
@@ -20,11 +24,14 @@ def march(
     direction: FloatArray,
     step_world: float,
     fraction: FloatArray | float = 0.0,
-    curved: bool = False,
+    curved: bool = True,
+    refine: str = "bisection",
+    blocks: bool = True,
 ) -> Accumulated:
     """Integrate rays (n, 3), sampled at distances ``(k + fraction) * step_world``, k whole, and where they enter and leave.
 
-    ``curved`` puts values right for the field's curvature, for transfer stages that integrate along slabs.
+    ``curved`` puts values right for the field's curvature where the stages gain from it. ``refine`` tells how the place of a
+    surface between two samples is found; with ``blocks`` rays that look for surfaces are sampled in each block of voxels.
     """
     integrate = INTEGRATES[setup.stages["integrate"].name](setup)
     light_slab = LIGHTINGS[setup.stages["lighting"].name]
@@ -35,19 +42,24 @@ def march(
         p_index = setup.index_of(p_world)
         return Sample(*field_value(setup, p_index), p_index, p_world, t_world)
 
+    line = setup.index_of(origin), direction @ setup.layer.volume.index_from_world[:3, :3].T
+
     # Clip rays to the domain and sample them where they enter.
     t_enter, t_leave = span(setup, origin, direction)
     rays = np.nonzero(t_leave > t_enter)[0]
     front = sample(rays, t_enter[rays])
     shift = np.broadcast_to(np.asarray(fraction, dtype=np.float64), t_enter.shape)
     k = np.floor(t_enter / step_world - shift) + 1
-    curved &= integrate.uses_slabs and not integrate.has_surface and getattr(setup.stages["transfer"], "integrates", False)
+    curved &= gains_from_curvature(setup.stages)
     before = front
 
     while rays.size:
-        # Go to the next sample of the lattice, or to where the ray leaves.
-        back = sample(rays, np.minimum((k[rays] + shift[rays]) * step_world, t_leave[rays]))
-        k[rays] += 1
+        # Go to the next sample of the lattice, to the next block, or to where the ray leaves.
+        t_lattice = t_next = (k[rays] + shift[rays]) * step_world
+        if integrate.has_surface and blocks:
+            t_next = np.minimum(t_lattice, next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world))
+        back = sample(rays, np.minimum(t_next, t_leave[rays]))
+        k[rays] += t_next >= t_lattice
         going = back.t_world < t_leave[rays]
 
         # Move the sample away from the straight line between its neighbours.
@@ -65,23 +77,61 @@ def march(
             cut = integrate.surface(a, b)
             taken &= cut <= 1
             a, b, cut = a[taken], b[taken], cut[taken]
-            hit = sample(rays[taken], a.t_world + cut * (b.t_world - a.t_world))
-            a = b = replace(hit, value=a.value + cut * (b.value - a.value))
+            rises = np.where(cut > 0, np.sign(_scalar(b.value) - _scalar(a.value)), 0.0)
+            a = b = _hit(setup, integrate, sample, (line[0][rays[taken]], line[1][rays[taken]]), rays[taken], a, b, cut, refine)
             length = np.zeros_like(cut)
         elif not taken.all():
             a, b, length = a[taken], b[taken], length[taken]
 
         # Classify the slab, light it, add it to its ray.
         some = rays[taken]
-        slab = Slab(a, b, length, np.zeros((len(some), 3)), np.zeros(len(some)))
+        slab = made_slab(dark(len(some)), a, b, length)
         if integrate.uses_slabs and some.size:
-            slab = Slab(a, b, length, *integrate.classify(a, b, length))
+            sent = integrate.sheet(a, rises) if integrate.has_surface else integrate.classify(a, b, length)
+            slab = made_slab(sent, a, b, length)
             slab = replace(slab, rgb=light_slab(setup, slab, -direction[some]))
         going[taken] &= ~integrate.take(acc, some, slab)
 
         # Keep the rays that go on; the back of this slab is the front of the next.
         rays, front, before = rays[going], back[going], here[going]
     return integrate.finish(acc)
+
+
+def _hit(
+    setup: Setup,
+    integrate: Integrate,
+    sample: Callable[[IntArray, FloatArray], Sample],
+    line: tuple[FloatArray, FloatArray],
+    rays: IntArray,
+    front: Sample,
+    back: Sample,
+    cut: FloatArray,
+    refine: str,
+) -> Sample:
+    """Samples at the surfaces inside slabs: at the fractions ``cut``, or sharpened where the slab's ends lie on either side."""
+    t_world = front.t_world + cut * (back.t_world - front.t_world)
+    value = front.towards(back, cut).value
+    if refine == "none":
+        return replace(sample(rays, t_world), value=value)
+    crosses = (cut > 0) & (cut == integrate.crossing(front, back))
+    scalars = [_scalar(end.value) for end in (front, back)]
+
+    def field(rows: IntArray, t_world: FloatArray) -> FloatArray:
+        here = sample(rays[crosses][rows], t_world)
+        return np.where(here.empty, np.nan, _scalar(here.value))
+
+    ends, values = (np.stack(pair, axis=1)[crosses] for pair in ([front.t_world, back.t_world], scalars))
+    lines = line[0][crosses], line[1][crosses]
+    t_world[crosses] = refined(setup, refine, field, lines, ends, values, integrate.level)
+    hit = sample(rays, t_world)
+    value = np.where(crosses.reshape(-1, *[1] * (value.ndim - 1)), hit.value, value)
+    _scalar(value)[crosses] = integrate.level
+    return replace(hit, value=value)
+
+
+def _scalar(value: FloatArray) -> FloatArray:
+    """Numbers (n,) by which samples are compared: of several channels the first."""
+    return value if value.ndim == 1 else value[:, 0]
 
 
 def bent(before: Sample, here: Sample, after: Sample) -> Sample:
@@ -94,10 +144,9 @@ def bent(before: Sample, here: Sample, after: Sample) -> Sample:
     share = np.where(whole > 0, (here.t_world - before.t_world) / np.where(whole > 0, whole, 1.0), 1.0)
     share = share.reshape(-1, *[1] * (here.value.ndim - 1))
     straight = before.value + share * (after.value - before.value)
-    values = (s.value.reshape(len(s.value), -1) for s in (before, here, after))
-    gaps = np.logical_or.reduce([~np.isfinite(v).all(axis=1) for v in values])
-    known = (~(before.empty | here.empty | after.empty | gaps)).reshape(share.shape)
-    return replace(here, value=np.where(known, here.value + (here.value - straight) / 6, here.value))
+    # What is not there in one of the three stays as it is, channel by channel.
+    there = np.logical_and.reduce([np.isfinite(s.value) & ~s.empty.reshape(share.shape) for s in (before, here, after)])
+    return replace(here, value=np.where(there, here.value + (here.value - straight) / 6, here.value))
 
 
 def span(setup: Setup, origin: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -8,8 +8,9 @@ import numpy as np
 
 from ..transfer import TransferFunction
 from ..volume import FloatArray
+from .homogeneous import homogeneous
 from .region import corners
-from .setup import Sample, Setup
+from .setup import Sample, Sent, Setup
 
 Medium = Callable[[FloatArray], FloatArray]
 """Source and extinction (n, 4) at values (n,)."""
@@ -18,7 +19,7 @@ Mean = Callable[[Medium, FloatArray, FloatArray], FloatArray]
 
 
 @np.errstate(under="ignore")
-def postclassified_regions(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+def postclassified_regions(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Mix the means of the media at a slab's two ends."""
 
     def mean(medium: Medium, one: FloatArray, other: FloatArray) -> FloatArray:
@@ -28,7 +29,7 @@ def postclassified_regions(setup: Setup, front: Sample, back: Sample, length: Fl
 
 
 @np.errstate(under="ignore")
-def preintegrated_regions(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+def preintegrated_regions(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Mix the means of the media along the straight line between a slab's two values."""
 
     def mean(medium: Medium, one: FloatArray, other: FloatArray) -> FloatArray:
@@ -46,7 +47,7 @@ def preintegrated_regions(setup: Setup, front: Sample, back: Sample, length: Flo
     return _mixed(setup, front, back, length, mean)
 
 
-def _mixed(setup: Setup, front: Sample, back: Sample, length: FloatArray, mean: Mean) -> tuple[FloatArray, FloatArray]:
+def _mixed(setup: Setup, front: Sample, back: Sample, length: FloatArray, mean: Mean) -> Sent:
     labels = setup.layer.labels
     assert labels is not None
     # Sum the shares of the functions in the middle: those of the eight labels round it, tinted and thinned.
@@ -61,11 +62,7 @@ def _mixed(setup: Setup, front: Sample, back: Sample, length: FloatArray, mean: 
     medium = np.zeros((len(length), 4))
     for function, part in zip(setup.function.functions, shares, strict=True):
         medium += part * mean(_medium(function), front.value, back.value)
-    depth = medium[:, 3] * length
-    alpha = -np.expm1(-depth)
-    absorbs = depth > 1e-30
-    seen = np.where(absorbs, alpha / np.where(absorbs, depth, 1.0), 1.0)
-    return medium[:, :3] * (length * seen)[:, None], alpha
+    return homogeneous(medium[:, :3], medium[:, 3], length)
 
 
 def _medium(function: TransferFunction) -> Medium:

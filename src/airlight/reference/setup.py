@@ -28,6 +28,8 @@ class Setup:
     function: Any
     stages: Mapping[str, Any]
     lights: tuple[Light, ...] = ()
+    camera: Any = None
+    size_px: tuple[int, int] = (1, 1)
     once: dict[str, FloatArray] = field(default_factory=dict)  # what a stage computes once for the volume, by its name
 
     @cached_property
@@ -109,14 +111,35 @@ class Sample:
 
 
 @dataclass(frozen=True, eq=False)
-class Slab:
-    """Pieces of rays between two samples, and what they send to the eye: associated ``rgb`` (n, 3), opacity ``alpha`` (n,)."""
+class Sent:
+    """What slabs send to the eye: associated ``rgb`` (n, 3), opacity ``alpha`` (n,), and the parts of both from the back.
+
+    Light from a share x of the length counts as x from the back and 1 - x from the front (Lum, Wilson and Ma, section 3).
+    """
+
+    rgb: FloatArray
+    alpha: FloatArray
+    back_rgb: FloatArray
+    back_alpha: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Slab(Sent):
+    """Pieces of rays between two samples, and what they send to the eye."""
 
     front: Sample
     back: Sample
     length: FloatArray
-    rgb: FloatArray
-    alpha: FloatArray
+
+
+def dark(n: int) -> Sent:
+    """Return what slabs send that hold nothing."""
+    return Sent(np.zeros((n, 3)), np.zeros(n), np.zeros((n, 3)), np.zeros(n))
+
+
+def made_slab(light: Sent, front: Sample, back: Sample, length: FloatArray) -> Slab:
+    """Return slabs between two samples that send this light."""
+    return Slab(light.rgb, light.alpha, light.back_rgb, light.back_alpha, front, back, length)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..volume import FloatArray
-from .setup import IntArray, Sample, Setup, Slab
-from .transfer import TRANSFERS, Classified, preintegrated, preintegrated_fast
+from .modulation import weight
+from .setup import IntArray, Sample, Sent, Setup, Slab
+from .transfer import TRANSFERS, preintegrated, preintegrated_fast
 
 MEDIA = {
     "surfaces": preintegrated,
@@ -29,8 +30,12 @@ class Piece:
     rows: IntArray
     begin: FloatArray
     end: FloatArray
-    rgb: FloatArray
-    alpha: FloatArray
+    light: Sent
+
+    @property
+    def alpha(self) -> FloatArray:
+        """Opacity of the piece."""
+        return self.light.alpha
 
 
 def has_surfaces(setup: Setup) -> bool:
@@ -38,14 +43,18 @@ def has_surfaces(setup: Setup) -> bool:
     return setup.stages["transfer"].name in MEDIA
 
 
-def classify(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Classified:
+def classify(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Colour and opacity of slabs, with the surfaces that they cross."""
-    rgb, alpha = np.zeros((len(length), 3)), np.zeros(len(length))
+    n = len(length)
+    rgb, back_rgb, alpha, back_alpha = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n)
     for piece in pieces(setup, front, back, length):
-        through = 1 - alpha[piece.rows]
-        rgb[piece.rows] += through[:, None] * piece.rgb
-        alpha[piece.rows] += through * piece.alpha
-    return rgb, alpha
+        rows, light, share = piece.rows, piece.light, piece.end - piece.begin
+        through = 1 - alpha[rows]
+        rgb[rows] += through[:, None] * light.rgb
+        back_rgb[rows] += through[:, None] * (piece.begin[:, None] * light.rgb + share[:, None] * light.back_rgb)
+        back_alpha[rows] += through * (piece.begin * light.alpha + share * light.back_alpha)
+        alpha[rows] += through * light.alpha
+    return Sent(rgb, alpha, back_rgb, back_alpha)
 
 
 def pieces(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Iterator[Piece]:
@@ -73,47 +82,34 @@ def pieces(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Ite
         next_value = np.where(crosses, values[surface], back.value)
         rows = np.nonzero(count >= turn)[0]
         ends = replace(front[rows], value=value[rows]), replace(back[rows], value=next_value[rows])
-        rgb, alpha = medium(setup, *ends, (length * (end - begin))[rows])
+        light = medium(setup, *ends, (length * (end - begin))[rows])
         if medium is preintegrated_fast:
             # What lies between surfaces is attenuated on its way all the same.
             inner = (turn > 0) & crosses[rows]
             exact = preintegrated(setup, *ends, (length * (end - begin))[rows])
-            rgb = np.where(inner[:, None], exact[0], rgb)
-        yield Piece(rows, begin[rows], end[rows], rgb, alpha)
+            light = Sent(
+                np.where(inner[:, None], exact.rgb, light.rgb),
+                light.alpha,
+                np.where(inner[:, None], exact.back_rgb, light.back_rgb),
+                np.where(inner, exact.back_alpha, light.back_alpha),
+            )
+        yield Piece(rows, begin[rows], end[rows], light)
         # Take the surface.
         rows = np.nonzero(crosses)[0]
         side = rgba[np.where(rises[rows], 0, 1), surface[rows]]
         alpha = 1 - (1 - side[:, 3]) ** thickness[rows]
-        yield Piece(rows, end[rows], end[rows], side[:, :3] * alpha[:, None], alpha)
+        rgb = side[:, :3] * alpha[:, None]
+        yield Piece(rows, end[rows], end[rows], Sent(rgb, alpha, rgb / 2, alpha / 2))
         begin, value = end, next_value
-
-
-def lit_share(setup: Setup, slab: Slab) -> FloatArray:
-    """Share (n,) of slabs at which they are lit: the middle; with surfaces, the mean place of what opacity they have."""
-    if not has_surfaces(setup):
-        return np.full(len(slab.length), 0.5)
-    alpha, moment = np.zeros(len(slab.length)), np.zeros(len(slab.length))
-    for piece in pieces(setup, slab.front, slab.back, slab.length):
-        seen = (1 - alpha[piece.rows]) * piece.alpha
-        moment[piece.rows] += seen * (piece.begin + _centre(piece.alpha) * (piece.end - piece.begin))
-        alpha[piece.rows] += seen
-    return np.where(alpha > 0, moment / np.where(alpha > 0, alpha, 1.0), 0.5)
-
-
-def _centre(alpha: FloatArray) -> FloatArray:
-    """Mean place (n,) of the opacity of a homogeneous slab, from 0 at its front: ``1 / x - exp(-x) / (1 - exp(-x))``."""
-    depth = -np.log1p(-np.minimum(alpha, 1 - 1e-15))
-    deep = depth > 1e-4
-    x = np.where(deep, depth, 1.0)
-    return np.where(deep, 1 / x - np.exp(-x) / -np.expm1(-x), 0.5 - depth / 12)
 
 
 def opacity_share(setup: Setup, slab: Slab, rows: IntArray, wanted: FloatArray) -> FloatArray:
     """Share (n,) of some slabs at which their opacity reaches a wanted one: each piece of medium is homogeneous."""
-    if not has_surfaces(setup):
+    if not (has_surfaces(setup) and rows.size):
         return _homogeneous_share(slab.alpha[rows], wanted)
     share, alpha = np.full(len(rows), np.inf), np.zeros(len(rows))
-    for piece in pieces(setup, slab.front[rows], slab.back[rows], slab.length[rows]):
+    front, back, length = slab.front[rows], slab.back[rows], slab.length[rows]
+    for piece in pieces(setup, front, back, length * weight(setup, front, back, length)):
         before = alpha[piece.rows]
         alpha[piece.rows] += (1 - before) * piece.alpha
         reached = np.nonzero(np.isinf(share[piece.rows]) & (alpha[piece.rows] >= wanted[piece.rows]))[0]

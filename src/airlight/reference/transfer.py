@@ -1,4 +1,4 @@
-"""Transfer stages: ``classify(setup, front, back, length (n,)) -> (rgb (n, 3), alpha (n,))`` of slabs.
+"""Transfer stages: ``classify(setup, front, back, length (n,)) -> Sent`` of slabs.
 
 The model is ``C = integral of source(x) exp(-tau(0..x)) dx`` over the slab's length d, ``alpha = 1 - exp(-tau(0..d))``. The
 source is colour times extinction, or the colour alone of associated functions.
@@ -12,11 +12,10 @@ import numpy as np
 
 from ..transfer.joint import JointFunction
 from ..volume import FloatArray
+from .homogeneous import homogeneous
 from .joint import joint, variables
 from .region_functions import postclassified_regions, preintegrated_regions
-from .setup import IntArray, Sample, Setup
-
-Classified = tuple[FloatArray, FloatArray]
+from .setup import IntArray, Sample, Sent, Setup
 
 # Up to this optical depth of a piece, take so many Gauss-Legendre nodes; what lies deeper than ``LAST_SEEN`` adds nothing.
 NODES = ((0.3, 6), (5.0, 12), (np.inf, 28))
@@ -36,35 +35,27 @@ def colour(setup: Setup, sample: Sample) -> FloatArray:
 
 
 @np.errstate(under="ignore")
-def postclassified(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Classified:
+def postclassified(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Classify a slab as a homogeneous medium, the mean of the media at its two ends."""
     extinction = (medium(setup, front.value)[1] + medium(setup, back.value)[1]) / 2
     source = (setup.function.source(front.value) + setup.function.source(back.value)) / 2
-    depth = extinction * length
-    alpha = -np.expm1(-depth)
-    # Length times the mean transmittance over the slab, which is 1 where nothing absorbs.
-    absorbs = depth > 1e-30
-    mean = np.where(absorbs, alpha / np.where(absorbs, depth, 1.0), 1.0)
-    return source * (length * mean)[:, None], alpha
+    return homogeneous(source, extinction, length)
 
 
 @np.errstate(under="ignore")
-def from_field(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Classified:
+def from_field(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Classify a slab between two media as the homogeneous one that is their mean."""
     mean = (front.value + back.value) / 2
-    depth = mean[:, 3] * length
-    absorbs = depth > 1e-30
-    seen = np.where(absorbs, -np.expm1(-depth) / np.where(absorbs, depth, 1.0), 1.0)
-    return mean[:, :3] * (length * seen)[:, None], -np.expm1(-depth)
+    return homogeneous(mean[:, :3], mean[:, 3], length)
 
 
 @np.errstate(under="ignore")
-def preintegrated_fast(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Classified:
+def preintegrated_fast(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Integrate source and extinction along the straight line exactly, and attenuate as a homogeneous slab does.
 
     Engel and Ertl, section 6.3, but for the attenuation by the slab as a whole.
     """
-    source, depth = np.zeros((len(length), 3)), np.zeros(len(length))
+    source, extinction = np.zeros((len(length), 3)), np.zeros(len(length))
     for rows, begin, end in pieces(setup.function.values, front.value, back.value):
         # Source is a quadratic on a piece and extinction linear: Gauss' rule with two nodes is exact.
         for node in (0.5 - 0.75**0.5 / 3, 0.5 + 0.75**0.5 / 3):
@@ -72,11 +63,8 @@ def preintegrated_fast(setup: Setup, front: Sample, back: Sample, length: FloatA
             value = front.value[rows] + at * (back.value - front.value)[rows]
             share = (end - begin) / 2
             source[rows] += share[:, None] * setup.function.source(value)
-            depth[rows] += share * length[rows] * medium(setup, value)[1]
-    alpha = -np.expm1(-depth)
-    absorbs = depth > 1e-30
-    mean = np.where(absorbs, alpha / np.where(absorbs, depth, 1.0), 1.0)
-    return source * (length * mean)[:, None], alpha
+            extinction[rows] += share * medium(setup, value)[1]
+    return homogeneous(source, extinction, length)
 
 
 def pieces(points: FloatArray, front: FloatArray, back: FloatArray) -> Iterator[tuple[IntArray, FloatArray, FloatArray]]:
@@ -97,19 +85,19 @@ def pieces(points: FloatArray, front: FloatArray, back: FloatArray) -> Iterator[
 
 
 @np.errstate(under="ignore")
-def riemann(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Classified:
+def riemann(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Classify as the papers do: colour ``source * d``, without attenuation inside the slab. For comparison only."""
     value = (front.value + back.value) / 2
-    alpha = -np.expm1(-medium(setup, value)[1] * length)
-    return setup.function.source(value) * length[:, None], alpha
+    rgb, alpha = setup.function.source(value) * length[:, None], -np.expm1(-medium(setup, value)[1] * length)
+    return Sent(rgb, alpha, rgb / 2, alpha / 2)
 
 
 @np.errstate(under="ignore")
-def preintegrated(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Classified:
+def preintegrated(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Integrate the function along the straight line from the front to the back value, exactly."""
     function, n = setup.function, len(length)
     a, span = front.value, back.value - front.value
-    rgb, depth = np.zeros((n, 3)), np.zeros(n)
+    rgb, back_rgb, back_alpha, depth = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n)
     for rows, begin, end in pieces(function.values, a, back.value):
         share = end - begin
         # Find the linear function on the piece from two points inside, so that steps at its ends do no harm.
@@ -117,21 +105,26 @@ def preintegrated(setup: Setup, front: Sample, back: Sample, length: FloatArray)
         rgb_3, tau_3 = medium(setup, a[rows] + (begin + 0.75 * share) * span[rows])
         tau_front, tau_back = np.maximum(1.5 * tau_1 - 0.5 * tau_3, 0), np.maximum(1.5 * tau_3 - 0.5 * tau_1, 0)
         rgb_front, rgb_back = 1.5 * rgb_1 - 0.5 * rgb_3, 1.5 * rgb_3 - 0.5 * rgb_1
-        # Add what the piece emits, attenuated by the pieces in front.
+        # Add what the piece emits, attenuated by the pieces in front, and its mean place.
         d = length[rows] * share
-        level, slope = _attenuated_moments(d, tau_front, tau_back, function.associated)
-        through = np.exp(-depth[rows])
-        rgb[rows] += (through * level)[:, None] * rgb_front + (through * slope)[:, None] * (rgb_back - rgb_front)
+        opacity = np.exp(-depth[rows]) * _attenuated_moments(d, tau_front, tau_back, False)
+        light = np.exp(-depth[rows]) * _attenuated_moments(d, tau_front, tau_back, True) if function.associated else opacity
+        level, slope, bend = light[:, :, None]
+        rise = rgb_back - rgb_front
+        sent = level * rgb_front + slope * rise
+        rgb[rows] += sent
+        back_rgb[rows] += begin[:, None] * sent + share[:, None] * (slope * rgb_front + bend * rise)
+        back_alpha[rows] += begin * opacity[0] + share * opacity[1]
         depth[rows] += d * (tau_front + tau_back) / 2
-    return np.maximum(rgb, 0.0), -np.expm1(-depth)
+    return Sent(np.maximum(rgb, 0.0), -np.expm1(-depth), np.maximum(back_rgb, 0.0), back_alpha)
 
 
-def _attenuated_moments(length: FloatArray, tau_front: FloatArray, tau_back: FloatArray, associated: bool) -> Classified:
-    """Integrals over x in 0..1 of ``w(x)`` and ``x w(x)``, ``w = length * tau(x) * exp(-tau(0..x))``, tau running linearly.
+def _attenuated_moments(length: FloatArray, tau_front: FloatArray, tau_back: FloatArray, associated: bool) -> FloatArray:
+    """Integrals (3, n) over x in 0..1 of ``w``, ``x w`` and ``x^2 w``, ``w = length tau(x) exp(-tau(0..x))``, tau linear.
 
     Associated sources do without the factor tau in w.
     """
-    level, slope = np.zeros_like(length), np.zeros_like(length)
+    moments = np.zeros((3, len(length)))
     depth, least = length * (tau_front + tau_back) / 2, -1.0
     for most, count in NODES:
         rows = np.nonzero((depth > least) & (depth <= most))[0]
@@ -147,11 +140,11 @@ def _attenuated_moments(length: FloatArray, tau_front: FloatArray, tau_back: Flo
         x = reach * (1 + nodes) / 2
         w = reach * weights / 2 * d * np.exp(-d * x * (tau_0 + rise * x / 2))
         w = w if associated else w * (tau_0 + rise * x)
-        level[rows], slope[rows] = w.sum(axis=1), (w * x).sum(axis=1)
-    return level, slope
+        moments[:, rows] = w.sum(axis=1), (w * x).sum(axis=1), (w * x * x).sum(axis=1)
+    return moments
 
 
-TRANSFERS: dict[str, Callable[[Setup, Sample, Sample, FloatArray], Classified]] = {
+TRANSFERS: dict[str, Callable[[Setup, Sample, Sample, FloatArray], Sent]] = {
     "from_field": from_field,
     "joint": joint,
     "postclassified": postclassified,

@@ -9,17 +9,22 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from ..environment import Environment
 from ..errors import DataError, LimitError, ValueRangeError
 from ..first_picture import resolve
 from ..gpu.device import Device
 from ..gpu.textures import Progress
 from ..scene import Layer, Scene
 from ..shader.program import Program
-from ..stage import SLOTS, Context, Stage
+from ..stage import SLOTS, Context, Stage, make_stage
+from ..stages.blocks import block_leaps
 from ..volume import statistics
+from .background import background_statistics, plain_background, without_layers
+from .hits import Hits, check_keeps, check_same
 from .image import Image
 from .march import MarchFrame, draw_march, march_program
 from .nearby import chosen_anchor, near_camera, shifted_lights
@@ -38,6 +43,7 @@ class Request:
     driver: Stage
     step: float = 1.0
     skip: str = "auto"
+    keep_hits: bool = False
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -55,15 +61,48 @@ class Request:
 def draw(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> Image:
     """Draw a frame on a device. ``check`` may raise between tiles, ``progress`` is told of uploads and tiles."""
     start = time.perf_counter()
-    if not scene.visible_layers:
+    device.kept.begin_frame()
+    nothing_visible = not scene.visible_layers
+    if nothing_visible and isinstance(scene.background, Environment):
+        scene = without_layers(scene)
+    elif nothing_visible:
         width, height = request.size_px
         nothing = np.zeros((height, width, 4), dtype=np.float32)
-        return Image(nothing, np.full((height, width), np.inf, np.float32), scene.background, {"reason": "no visible layer"})
+        far = np.full((height, width), np.inf, np.float32)
+        return Image(nothing, far, plain_background(scene), {"reason": "no visible layer"})
     frame = prepare(device, scene, request, check, progress)
+    return _finished(frame, request, start)
+
+
+def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None], progress: Progress) -> Image:
+    """Light the surfaces of an image again, for changed lights, materials, colours and tones.
+
+    Raises
+    ------
+    DataError
+        When the image has kept no surfaces, or those of the scene are others.
+    """
+    start = time.perf_counter()
+    if image.hits is None:
+        raise DataError("image", "has kept no surfaces", "render it with keep_hits=True")
+    scene = resolve(scene, image.size)
+    check_same(image.hits, scene, image.size)
+    device.kept.begin_frame()
+    request = Request(image.size, make_stage("driver", "march"), image.stats["step"])
+    frame = replace(prepare(device, scene, request, check, progress), found=image.hits)
+    check_keeps(frame)
+    return replace(_finished(frame, request, start), hits=replace(image.hits, scene=scene))
+
+
+def _finished(frame: MarchFrame, request: Request, start: float) -> Image:
+    device = frame.device
     rgba, depth, samples = draw_march(frame)
-    stats = frame_statistics(frame, request.step) | {"samples": int(samples), "milliseconds": frame.clock.milliseconds}
+    device.kept.trim()
+    stats = frame_statistics(frame, request.step) | background_statistics(frame.scene)
+    stats |= {"samples": int(samples), "milliseconds": frame.clock.milliseconds}
     frame.clock.milliseconds["total"] = 1e3 * (time.perf_counter() - start)
-    return Image(rgba, depth, frame.scene.background, stats)
+    hits = Hits(frame.kept_hits[0], frame.given) if frame.keeps_hits else None
+    return Image(rgba, depth, plain_background(frame.scene), stats, hits)
 
 
 def explain(device: Device, scene: Scene, request: Request) -> Program:
@@ -73,23 +112,24 @@ def explain(device: Device, scene: Scene, request: Request) -> Program:
 
 def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> MarchFrame:
     """Resolve a scene and gather what its passes share."""
-    scene = resolve(scene, request.size_px)
+    given = scene = resolve(scene, request.size_px)
     visible = scene.visible_layers
     if len(visible) != 1:
         raise LimitError(
             "scene.layers", f"has {len(visible)} visible layers; this version draws one at a time", "hide the others"
         )
     step_world = request.step * min(min(layer.volume.spacing) for layer in visible)
-    layers = tuple(drawn_layer(layer, step_world, request.size_px) for layer in visible)
+    layers = tuple(drawn_layer(layer, step_world, request.size_px, request.skip != "none", scene.camera) for layer in visible)
     stages = visible[0].look.stages()
     anchor_world = chosen_anchor(layers[0])
     camera, t_offset_world = near_camera(scene.camera, anchor_world, layers[0], step_world)  # type: ignore[arg-type]
     scene = replace(scene, lights=shifted_lights(scene.lights, anchor_world))
     scene_stages: dict[str, Stage] = {"driver": request.driver, "camera": camera}
     scene_stages |= {slot: stage for slot, stage in stages.items() if not SLOTS[slot].per_layer}
-    return MarchFrame(
+    frame = MarchFrame(
         device=device,
         scene=scene,
+        given=given,
         scene_stages=scene_stages,
         layers=layers,
         size_px=request.size_px,
@@ -99,11 +139,18 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
         skip=request.skip,
         check=check,
         progress=progress,
+        keeps_hits=request.keep_hits,
     )
+    if request.keep_hits:
+        check_keeps(frame)
+    return frame
 
 
-def drawn_layer(layer: Layer, step_world: float, size_px: tuple[int, int]) -> DrawnLayer:
-    """Give a layer its stages and their resources; a volume with empty samples gets the field that keeps them apart."""
+def drawn_layer(layer: Layer, step_world: float, size_px: tuple[int, int], skips: bool, camera: Any = None) -> DrawnLayer:
+    """Give a layer its stages and their resources; a volume with empty samples gets the field that keeps them apart.
+
+    Where surfaces alone are drawn, and space may be skipped, the field knows how far to leap over blocks without one.
+    """
     assert layer.transfer is not None
     for channel in layer.channels:
         known = statistics(layer.volume, channel, layer.time)
@@ -113,6 +160,10 @@ def drawn_layer(layer: Layer, step_world: float, size_px: tuple[int, int]) -> Dr
                 f"has values from {known.minimum:.3g} to {known.maximum:.3g}, beyond what devices hold ({GREATEST_VALUE:g})",
                 "scale it, e.g. volume / 1e30, and the transfer function with it",
             )
-    context = Context(layer.volume, layer.function, layer.channels, layer.time, step_world, size_px, layer.labels)
+    context = Context(layer.volume, layer.function, layer.channels, layer.time, step_world, size_px, layer.labels, camera)
     stages = {slot: stage for slot, stage in layer.stages().items() if SLOTS[slot].per_layer}
-    return DrawnLayer(stages, context, {slot: stage.resources(context) for slot, stage in stages.items()})
+    drawn = DrawnLayer(stages, context, {slot: stage.resources(context) for slot, stage in stages.items()})
+    if skips and (leaps := block_leaps(drawn.field, layer.look.integrate, context)):
+        resources = {**drawn.resources, "field": {**drawn.resources["field"], "leaps": leaps}}
+        drawn = replace(drawn, resources=resources)
+    return drawn

@@ -7,13 +7,16 @@ import os
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import FileError, MissingExtraError
+from ..errors import DataError, FileError, MissingExtraError
 from ..transfer.colour import linear_to_srgb
+
+if TYPE_CHECKING:
+    from .hits import Hits
 
 FloatImage = npt.NDArray[np.float32]
 
@@ -33,17 +36,33 @@ class Image:
         Linear colour that lies behind; None is transparent.
     stats
         What was done: adapter, samples, milliseconds by pass, texture formats and their error, what was skipped.
+    hits
+        Surfaces as they were met, where they were asked for: what ``relight`` needs.
     """
 
     rgba: FloatImage
     depth: FloatImage
     background: tuple[float, float, float] | None = None
     stats: dict[str, Any] = field(default_factory=dict)
+    hits: Hits | None = None
 
     @property
     def size(self) -> tuple[int, int]:
         """Width and height in pixels."""
         return self.rgba.shape[1], self.rgba.shape[0]
+
+    @property
+    def normal(self) -> FloatImage:
+        """float32 (height, width, 3): unit normals of surfaces in the world, towards lower values; 0 where there is none.
+
+        Raises
+        ------
+        DataError
+            When surfaces were not kept.
+        """
+        if self.hits is None:
+            raise DataError("image.normal", "was not kept", 'render with integrate="first_hit" and keep_hits=True')
+        return self.hits.normal
 
     @property
     def rgb(self) -> FloatImage:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..environment import Environment
 from ..errors import LimitError, StageError
 from ..gpu import compute
 from ..gpu.device import Device
@@ -31,12 +32,19 @@ from ..shader.program import (
 )
 from ..stage import Resource, Stage
 from ..stages import tone as tones
+from ..stages.driver import gains_from_curvature
+from ..stages.field import Linear, LinearExact
+from ..stages.lighting import Quantised
 from ..stages.transfer import Transfer
 from ..volume import FloatArray
+from .background import put_behind
+from .directions import light_directions
+from .hits import HIT_BYTES, Hits, light_again
 from .plan import Pass, check_plan
 from .resources import DrawnLayer, bound_resources, pack_lights, pack_uniforms, uniform_values
 
 BYTES_PER_PIXEL = 16
+TRILINEAR = (Linear, LinearExact)
 MOST_ROWS = 32768  # of one band: a dispatch has at most 65535 groups of rows
 
 
@@ -67,6 +75,7 @@ class MarchFrame:
 
     device: Device
     scene: Scene
+    given: Scene
     scene_stages: Mapping[str, Stage]
     layers: tuple[DrawnLayer, ...]
     size_px: tuple[int, int]
@@ -78,11 +87,24 @@ class MarchFrame:
     progress: Progress
     clock: Clock = field(default_factory=Clock)
     measured: dict[str, float] = field(default_factory=dict)
+    keeps_hits: bool = False
+    found: Hits | None = None
+    kept_hits: list[np.ndarray[Any, Any]] = field(default_factory=list)
 
     @property
     def scene_resources(self) -> dict[str, Mapping[str, Resource]]:
         """Resources of the stages that belong to no layer."""
         return {slot: stage.resources(self.layers[0].context) for slot, stage in self.scene_stages.items()}
+
+    @property
+    def shows_environment(self) -> bool:
+        """Whether an environment is seen behind the layers."""
+        return isinstance(self.scene.background, Environment)
+
+    @property
+    def tones_late(self) -> bool:
+        """Whether tones are mapped in a pass of their own, once the whole scene is there."""
+        return self.shows_environment or bool(self.scene_stages["tone"].reads)
 
     def program(self, root: str | Path, outputs: tuple[str, ...], extra: tuple[str, ...] = (), **instead: Stage) -> Program:
         """Program of a root with the frame's stages, some replaced."""
@@ -120,23 +142,40 @@ def switches_of(frame: MarchFrame) -> Switches:
         skips_empty=skips_empty,
         surfaces_only=bool(getattr(integrate, "surfaces_only", False)),
         classifies=classifies,
-        curved=classifies and is_curved(frame),
+        curved=is_curved(frame),
+        lights_ends=any(getattr(layer.stages["lighting"], "lights_ends", False) for layer in frame.layers),
+        skips_blocks=skips_blocks(frame),
     )
 
 
 def is_curved(frame: MarchFrame) -> bool:
-    """Whether values are put right for curvature: asked of the driver, and made use of by all layers.
+    """Whether values are put right for curvature: asked of the driver, and of use to all layers."""
+    asked = bool(getattr(frame.scene_stages["driver"], "curved", False))
+    return asked and all(gains_from_curvature({**frame.scene_stages, **layer.stages}) for layer in frame.layers)
+
+
+def skips_blocks(frame: MarchFrame) -> bool:
+    """Whether surfaces are looked for block by block, and it is known in which there is none."""
+    asked = bool(getattr(frame.scene_stages["driver"], "blocks", False))
+    return asked and all("leaps" in layer.resources["field"] for layer in frame.layers)
+
+
+def check_refines(frame: MarchFrame) -> None:
+    """Refuse the roots of cubics where the field is no cubic along a ray.
 
     Raises
     ------
     StageError
-        When the field of a layer jumps from voxel to voxel.
+        For fields that are not trilinear.
     """
-    asked = bool(getattr(frame.scene_stages["driver"], "curved", False))
-    for layer in frame.layers if asked else ():
-        if layer.field.cells:
-            raise StageError("driver.curved", f"is for smooth fields, and {layer.field.name} jumps", "use the field linear")
-    return asked and all(getattr(layer.stages["transfer"], "integrates", False) for layer in frame.layers)
+    exact = getattr(frame.scene_stages["driver"], "refine", "none") == "exact"
+    for layer in frame.layers:
+        if (
+            exact
+            and getattr(frame.scene_stages["integrate"], "surfaces_only", False)
+            and not isinstance(layer.field, TRILINEAR)
+        ):
+            raise StageError('driver.refine "exact"', f"is for trilinear fields, and {layer.field.name} is none", "use secant")
 
 
 def march_program(frame: MarchFrame) -> Program:
@@ -145,23 +184,32 @@ def march_program(frame: MarchFrame) -> Program:
         stage = layer.stages["transfer"]
         if "next_crossing" in parse(stage_source(stage.wgsl, stage.name)).declared:
             raise StageError(f"look.transfer {stage.name!r}", "offers next_crossing, which no driver asks yet", "leave it out")
+    check_refines(frame)
     root = frame.scene_stages["driver"].wgsl
-    if frame.scene_stages["tone"].reads:
-        return frame.program(root, ("radiance", "depth"), tone=tones.Linear())
-    return frame.program(root, ("radiance", "depth"))
+    outputs = ("radiance", "depth", "hits") if frame.keeps_hits else ("radiance", "depth")
+    if frame.tones_late:
+        return frame.program(root, outputs, tone=tones.Linear())
+    return frame.program(root, outputs)
 
 
 def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], float]:
     """Draw a frame; returns rgba (h, w, 4), depth (h, w), and the number of samples."""
     width, height = frame.size_px
     most = frame.device.limits["max-storage-buffer-binding-size"]
-    rows = min(height, max(1, most // (BYTES_PER_PIXEL * width)), MOST_ROWS)
+    with_hits = frame.keeps_hits or frame.found is not None
+    rows = min(height, max(1, most // ((HIT_BYTES if with_hits else BYTES_PER_PIXEL) * width)), MOST_ROWS)
     bands = [_Band(frame, n, first, min(rows, height - first)) for n, first in enumerate(range(0, height, rows))]
     tone = frame.scene_stages["tone"]
     passes = [Pass("march", (), ("radiance", "depth"), lambda: _march(frame, bands))]
+    if frame.found is not None:
+        passes = [Pass("relight", (), ("radiance", "depth"), lambda: light_again(frame, bands))]
+    if any(isinstance(layer.stages["lighting"], Quantised) for layer in frame.layers):
+        passes.insert(0, Pass("directions", (), ("lit_directions",), lambda: light_directions(frame)))
+    if frame.shows_environment:
+        passes.append(Pass("background", ("radiance",), ("radiance",), lambda: put_behind(frame, bands)))
     if "luminance" in tone.reads:
         passes.append(Pass("luminance", ("radiance",), ("luminance",), lambda: _luminance(frame, bands)))
-    if tone.reads:
+    if frame.tones_late:
         passes.append(Pass("tone", ("radiance", *tone.reads), ("radiance",), lambda: _tone(frame, bands)))
     check_plan(passes, ("radiance", "depth"))
     for step in passes:
@@ -172,7 +220,8 @@ def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any,
     with frame.clock("read back"):
         for band in bands:
             band.read(rgba, depth)
-    drop_buffers(frame.device, len(bands))
+        if frame.keeps_hits:
+            frame.kept_hits.append(np.concatenate([band.read_hits() for band in bands]))
     if (depth[..., 1] < 0).any():
         raise LimitError(
             f"device {frame.device.info.name!r}",
@@ -180,12 +229,6 @@ def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any,
             "draw with a larger step, central instead of Sobel gradients, or fewer lights",
         )
     return rgba, np.where(depth[..., 0] < 3e38, depth[..., 0], np.float32(np.inf)), float(depth[..., 1].sum(dtype=np.float64))
-
-
-def drop_buffers(device: Device, bands: int) -> None:
-    """Free what an image of more bands has left behind."""
-    for key in [k for k in device.kept if k[0] == "band" and k[2] >= bands]:
-        del device.kept[key]
 
 
 class _Band:
@@ -196,6 +239,8 @@ class _Band:
         self.first_row, self.rows, self.pixels = first_row, rows, rows * width
         self.radiance = compute.storage_buffer(frame.device, ("band", "radiance", number), self.pixels * 16)
         self.depth = compute.storage_buffer(frame.device, ("band", "depth", number), self.pixels * 8)
+        if frame.keeps_hits or frame.found is not None:
+            self.hits = compute.storage_buffer(frame.device, ("band", "hits", number), self.pixels * HIT_BYTES)
         self.frame = frame
 
     def uniforms(self) -> FrameUniforms:
@@ -214,6 +259,10 @@ class _Band:
         for source, target, channels in ((self.radiance, rgba, 4), (self.depth, depth, 2)):
             data = self.frame.device.queue.read_buffer(source, 0, self.pixels * channels * 4)
             target[part] = np.frombuffer(data, dtype=np.float32).reshape(self.rows, width, channels)
+
+    def read_hits(self) -> np.ndarray[Any, Any]:
+        data = self.frame.device.queue.read_buffer(self.hits, 0, self.pixels * HIT_BYTES)
+        return np.frombuffer(data, dtype=np.float32).reshape(self.rows, self.frame.size_px[0], HIT_BYTES // 4)
 
 
 def _bind(frame: MarchFrame, program: Program, buffers: Mapping[str, Any], name: str, data: bytes) -> list[Any]:
@@ -234,23 +283,23 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
         pipeline = compute.pipeline_of(device, program)
     with frame.clock("upload"):
         values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress)
-        if frame.scene_stages["tone"].reads:
+        if frame.tones_late:
             values["tone"] = tones.Linear()
         bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress)
     x, y = device.traits.workgroup
     sizes = tuple(layer.context.volume.size for layer in frame.layers)
-    pace: Pace = device.kept.setdefault(("pace", program.key, frame.step_world, sizes), Pace())
+    pace: Pace = device.kept.get(("pace", program.key, frame.step_world, sizes), Pace)
     total = frame.size_px[0] * frame.size_px[1]
     before = 0
     for band in bands:
         groups = _bind(
             frame,
             program,
-            {"radiance": band.radiance, "depth": band.depth},
+            {"radiance": band.radiance, "depth": band.depth} | ({"hits": band.hits} if frame.keeps_hits else {}),
             "march",
             pack_uniforms(program, band.uniforms(), values),
         )
-        target = device.kept["uniforms of march"]
+        target = device.kept.find(("buffer", "uniforms of march"))
 
         def submit(tile: Tile, band: _Band = band, groups: list[Any] = groups, target: Any = target) -> None:
             part = replace(band.uniforms(), tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
@@ -283,7 +332,7 @@ def _tone(frame: MarchFrame, bands: list[_Band]) -> None:
     device = frame.device
     program = frame.program("passes/tone.wgsl", ("radiance",), ("luminance",))
     values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress)
-    values["luminance"] = LuminanceUniforms(frame.measured["luminance"])
+    values["luminance"] = LuminanceUniforms(frame.measured.get("luminance", 0.0))
     x, y = device.traits.workgroup
     for band in bands:
         data = pack_uniforms(program, band.uniforms(), values)

@@ -7,7 +7,9 @@ import threading
 import weakref
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future
+from typing import Any
 
+from ..errors import ValueRangeError
 from ..gpu.device import Device, open_device
 from ..gpu.failure import device_failures
 from ..gpu.textures import Progress
@@ -15,8 +17,9 @@ from ..gpu.thread import Job, RenderThread, T
 from ..scene import Scene
 from ..shader.program import Program
 from ..stage import Stage, make_stage
-from .frame import Request, draw, explain
+from .frame import Request, draw, explain, relight
 from .image import Image
+from .warming import scenes_near
 
 
 def _silent(_what: str, _done: int, _total: int) -> None:
@@ -35,6 +38,11 @@ class _Held:
         if device is not None:
             device.close()
 
+    def tidy(self) -> None:
+        """Give up what belonged to volumes, labels and tables that are gone."""
+        if self.device is not None:
+            self.device.kept.forget_released()
+
 
 class Renderer:
     """Draws scenes; keeps device, textures, tables and programs from one frame to the next.
@@ -43,9 +51,15 @@ class Renderer:
     ----------
     device
         Number, kind or part of the name of an adapter; None takes the best (``AIRLIGHT_DEVICE`` names another).
+    keep_bytes
+        Most bytes that textures, buffers and programs may take on the device beside what a frame itself uses; what was used
+        least recently goes first. None: ``AIRLIGHT_KEEP`` (e.g. 4G), else a quarter of the system's memory, on a discrete
+        adapter at most what its largest buffer may take.
 
     Raises
     ------
+    ValueRangeError
+        When ``keep_bytes`` is negative.
     DeviceError
         At the first frame, when no adapter answers.
 
@@ -55,10 +69,13 @@ class Renderer:
     ...     frames = [renderer.render(scene, (640, 480)) for scene in scenes]
     """
 
-    def __init__(self, device: str | int | None = None) -> None:
+    def __init__(self, device: str | int | None = None, *, keep_bytes: int | None = None) -> None:
+        if keep_bytes is not None and keep_bytes < 0:
+            raise ValueRangeError("keep_bytes", f"is {keep_bytes}, must be at least 0")
         self._wanted = None if device is None else str(device)
+        self._keep_bytes = keep_bytes
         self._held = _Held()
-        self._thread = RenderThread()
+        self._thread = RenderThread(idle=self._held.tidy)
         # Whoever forgets to close a renderer does not keep its thread and device for ever.
         weakref.finalize(self, self._thread.close, self._held.drop, wait=False).atexit = False
 
@@ -72,9 +89,15 @@ class Renderer:
         """Release the device and all that is on it. Idempotent."""
         self._thread.close(self._held.drop)
 
-    def warm_up(self) -> None:
-        """Open the device in the background; returns at once."""
+    def warm_up(self, scene: Scene | None = None, *, driver: str | Stage = "march") -> None:
+        """Open the device in the background; returns at once.
+
+        With a scene, draw a pixel of it, and of those that edits of its transfer functions make of it: nobody who drags a
+        control point will wait for a compiler then.
+        """
         self._thread.submit(lambda job: self._open())
+        for near in () if scene is None else scenes_near(scene):
+            self.submit(near, (1, 1), driver=driver)
 
     def render(
         self,
@@ -84,10 +107,20 @@ class Renderer:
         driver: str | Stage = "march",
         step: float = 1.0,
         skip: str = "auto",
+        keep_hits: bool = False,
         progress: Progress | None = None,
     ) -> Image:
         """Draw a scene and wait for it; see ``airlight.render``."""
-        return self.submit(scene, size, driver=driver, step=step, skip=skip, progress=progress).result()
+        options: dict[str, Any] = {"driver": driver, "step": step, "skip": skip, "keep_hits": keep_hits, "progress": progress}
+        return self.submit(scene, size, **options).result()
+
+    def relight(self, image: Image, scene: Scene, *, progress: Progress | None = None) -> Image:
+        """Light the surfaces of an image again, without a march; see ``airlight.relight``."""
+
+        def work(job: Job[Image]) -> Image:
+            return self._guarded(job, lambda device: relight(device, image, scene, job.check, progress or _silent))
+
+        return self._thread.submit(work).result()
 
     def submit(
         self,
@@ -97,14 +130,25 @@ class Renderer:
         driver: str | Stage = "march",
         step: float = 1.0,
         skip: str = "auto",
+        keep_hits: bool = False,
         progress: Progress | None = None,
         view: Hashable = None,
     ) -> Future[Image]:
         """Post a frame; of one ``view`` only the newest frame is drawn, the futures of older ones are cancelled."""
-        request = Request((int(size[0]), int(size[1])), make_stage("driver", driver), float(step), skip)
+        request = Request((int(size[0]), int(size[1])), make_stage("driver", driver), float(step), skip, keep_hits)
         return self._thread.submit(
             lambda job: self._guarded(job, lambda device: draw(device, scene, request, job.check, progress or _silent)), view
         )
+
+    @property
+    def kept_bytes(self) -> int:
+        """Bytes that the device keeps for further frames, once it has drawn all that was posted."""
+
+        def work(job: Job[int]) -> int:
+            self._held.tidy()
+            return 0 if self._held.device is None else self._held.device.kept.bytes
+
+        return self._thread.submit(work).result()
 
     def close_view(self, view: Hashable) -> None:
         """Give up the frames of a view; others go on."""
@@ -127,7 +171,8 @@ class Renderer:
 
     def _open(self) -> Device:
         if self._held.device is None:
-            self._held.device = open_device(self._wanted)
+            self._held.device = open_device(self._wanted, self._keep_bytes)
+            self._held.device.kept.owner_released = self._thread.wake
         return self._held.device
 
     def _guarded(self, job: Job[T], work: Callable[[Device], T]) -> T:

@@ -1,24 +1,24 @@
 """Device resources of a program: grids by the identity of their volume, tables and gradients by their values.
 
-What is cached lives as long as the volume or table it was made of.
+What is kept lives as long as the volume or table it was made of, unless others need the room; see ``gpu.cache``.
 """
 
 from __future__ import annotations
 
-import weakref
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..errors import StageError
-from ..gpu import compute, gradients, slab_tables, textures
+from ..gpu import blocks, compute, gradients, slab_tables, textures
 from ..gpu.device import Device
 from ..gpu.labels import upload_labels
 from ..scene import Light
 from ..shader.layout import class_struct, fill
 from ..shader.program import (
+    BlockUniforms,
     ClassifyUniforms,
     FrameUniforms,
     LayerUniforms,
@@ -31,12 +31,26 @@ from ..shader.program import (
     build_program,
     stage_key,
 )
-from ..stage import ClassifiedGrid, Context, GradientGrid, Grid, LabelCells, Resource, SlabTable, Stage, Table
+from ..stage import (
+    BLOCK_VOXELS,
+    BlockLeaps,
+    ClassifiedGrid,
+    Context,
+    DirectionGrid,
+    GradientGrid,
+    Grid,
+    LabelCells,
+    LitDirections,
+    OpennessGrid,
+    Resource,
+    SlabTable,
+    Stage,
+    Table,
+)
 from ..stages.field import Field, needed_groups
-from ..stages.field_channels import lines_of
+from ..stages.field_channels import by_group, lines_of
 from ..volume import FloatArray, domain_index
 
-KEPT_TABLES = 4
 LIGHT_KINDS = {"head": 0, "directional": 1, "point": 2}
 
 
@@ -57,33 +71,17 @@ class DrawnLayer:
         return field
 
 
-def kept_for(device: Device, owner: Any, key: tuple[Any, ...], make: Callable[[], Any]) -> Any:
-    """Value kept under a key until its owner is gone."""
-    full = (*key, id(owner))
-    if full not in device.kept:
-        device.kept[full] = make()
-        kept = weakref.ref(device)
-
-        def forget() -> None:
-            alive = kept()
-            if alive is not None:
-                alive.kept.pop(full, None)
-
-        weakref.finalize(owner, forget).atexit = False
-    return device.kept[full]
-
-
 def grid_texture(device: Device, grid: Grid, progress: textures.Progress) -> textures.VolumeTexture:
     """Texture of a grid; not uploaded again for the same volume."""
-    key = ("grid", grid.channels, grid.time, grid.filtered, grid.masked)
-    found: textures.VolumeTexture = kept_for(device, grid.volume, key, lambda: textures.upload_grid(device, grid, progress))
+    key = ("grid", grid.channels, grid.time, grid.filtered, grid.masked, grid.levels)
+    found: textures.VolumeTexture = device.kept.get(key, lambda: textures.upload_grid(device, grid, progress), grid.volume)
     return found
 
 
 def label_texture(device: Device, cells: LabelCells, progress: textures.Progress) -> textures.VolumeTexture:
     """Texture of labels; not uploaded again for the same volume, whatever their styles."""
     numbers = cells.numbers
-    found: textures.VolumeTexture = kept_for(device, numbers, ("labels",), lambda: upload_labels(device, numbers, progress))
+    found: textures.VolumeTexture = device.kept.get(("labels",), lambda: upload_labels(device, numbers, progress), numbers)
     return found
 
 
@@ -93,10 +91,16 @@ def layer_uniforms(device: Device, layer: DrawnLayer, anchor_world: FloatArray, 
     low, high = domain_index(volume.size, layer.field.cells)
     size = tuple(float(n) for n in volume.size)
     scale, offset = 1.0, 0.0
+    scales: dict[int, float] = {}
+    offsets: dict[int, float] = {}
     for resource in layer.resources["field"].values():
         if isinstance(resource, Grid):
-            encoding = grid_texture(device, resource, progress).encoding
-            scale, offset = encoding.scale, encoding.offset
+            encodings = grid_texture(device, resource, progress).encodings
+            scale, offset = encodings[0].scale, encodings[0].offset
+            groups = needed_groups(layer.context)
+            lanes = {4 * g + lane: 4 * stack + lane for g, stack in enumerate(groups) for lane in range(4)}
+            scales = {lane: encodings[place].scale for lane, place in lanes.items() if place < len(encodings)}
+            offsets = {lane: encodings[place].offset for lane, place in lanes.items() if place < len(encodings)}
     index_from_world = volume.index_from_world.copy()
     index_from_world[:3, 3] += index_from_world[:3, :3] @ anchor_world
     return LayerUniforms(
@@ -108,7 +112,8 @@ def layer_uniforms(device: Device, layer: DrawnLayer, anchor_world: FloatArray, 
         domain_high=tuple(high),
         value_scale=scale,
         value_offset=offset,
-        gradient_scale=gradients.gradient_scale(layer.context),
+        channel_scale=by_group(scales, 1.0),
+        channel_offset=by_group(offsets),
     )
 
 
@@ -163,7 +168,7 @@ def bound_resources(
         slot, index, name = binding.owner
         if binding.kind == "sampler":
             found[binding.name] = compute.linear_sampler(device)
-        elif binding.kind in ("table", "layers", "grid", "loaded_grid", "gradients", "labels"):
+        elif binding.kind in ("table", "layers", "grid", "loaded_grid", "gradients", "labels", "openness"):
             resource = (scene if index is None else layers[index].resources)[slot][name]
             found[binding.name] = _view(device, resource, layers[index or 0], anchor_world, progress)
     return found
@@ -174,28 +179,31 @@ def _view(device: Device, resource: Resource, layer: DrawnLayer, anchor_world: F
         case Grid():
             return grid_texture(device, resource, progress).texture.create_view()
         case Table():
-            texture = kept_for(device, resource.texels, ("table",), lambda: textures.upload_table(device, resource.texels))
-            return texture.create_view()
+            texels = resource.texels
+            return device.kept.get(("table",), lambda: textures.upload_table(device, texels), texels).create_view()
         case SlabTable():
-            return _slab_table(device, resource).create_view(dimension="2d-array")
+            slabs = device.kept.get(("slab table", resource), lambda: slab_tables.make_slab_table(device, resource))
+            return slabs.create_view(dimension="2d-array")
         case LabelCells():
             return label_texture(device, resource, progress).texture.create_view()
         case GradientGrid():
             return _gradient_texture(device, resource, layer, anchor_world, progress).create_view()
         case ClassifiedGrid():
             return _classified_texture(device, resource, layer, anchor_world, progress).create_view()
+        case BlockLeaps():
+            return leaps_texture(device, resource, layer, anchor_world, progress).create_view()
+        case DirectionGrid():
+            from .directions import number_texture
 
+            return number_texture(device, resource, layer, anchor_world, progress).create_view()
+        case LitDirections():
+            from .directions import lit_texture
 
-def _slab_table(device: Device, table: SlabTable) -> Any:
-    """Texture of a table; the last few are kept."""
-    kept: dict[SlabTable, Any] = device.kept.setdefault(("slab tables",), {})
-    if table in kept:
-        kept[table] = kept.pop(table)  # the one that was asked for last goes last
-    else:
-        while len(kept) >= KEPT_TABLES:
-            del kept[next(iter(kept))]
-        kept[table] = slab_tables.make_slab_table(device, table)
-    return kept[table]
+            return lit_texture(device, resource).create_view()
+        case OpennessGrid():
+            from .occlusion import openness_texture  # it is made of what stands here
+
+            return openness_texture(device, resource, layer, anchor_world, progress).create_view()
 
 
 def _gradient_texture(
@@ -203,36 +211,74 @@ def _gradient_texture(
 ) -> Any:
     """Texture of gradients, made at the voxels by the layer's own field and a gradient stage.
 
-    Gradients of a mixture follow its functions: those of the last ones are kept.
+    Gradients of a mixture follow its functions.
     """
     context = layer.context
-    used: dict[str, Stage] = {"field": layer.stages["field"], "gradient": resource.method}
+    used: dict[str, Stage] = {"field": resource.reader or layer.stages["field"], "gradient": resource.method}
     alone = DrawnLayer(used, context, {slot: stage.resources(context) for slot, stage in used.items()})
-    place = ("gradients", *used.values(), context.channels, context.time)
-    kept: dict[Any, Any] = kept_for(device, context.volume, place, dict)
-    key = (needed_groups(context), *lines_of(context).items())
-    if key not in kept:
-        kept.clear()
-        kept[key] = _voxel_texture(device, alone, "gradient_grid", "gradients_out", "rgba16float", {}, anchor_world, progress)
-    return kept[key]
+    place = ("gradients", *used.values(), resource.format, resource.encoding, context.channels, context.time)
+    root, output = f"gradient_grid_{resource.format}", f"gradients_{resource.format}_out"
+    values = {"encoding": resource.encoding}
+    return device.kept.get(
+        (*place, needed_groups(context), *lines_of(context).items()),
+        lambda: _voxel_texture(device, alone, root, output, resource.texel_format, values, anchor_world, progress),
+        context.volume,
+    )
 
 
 def _classified_texture(
     device: Device, resource: ClassifiedGrid, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress
 ) -> Any:
-    """Texture of media, made at the voxels; that of a volume's last function is kept."""
+    """Texture of media, made at the voxels."""
     context, grid = layer.context, resource.grid
     used: dict[str, Stage] = {"field": resource.field, "transfer": resource.transfer}
     alone = DrawnLayer(used, context, {slot: stage.resources(context) for slot, stage in used.items()})
-    kept: dict[Any, Any] = kept_for(device, grid.volume, ("classified", grid.channels, grid.time), dict)
-    key = (resource.function, resource.weighted, grid.filtered)
-    if key not in kept:
-        kept.clear()
-        values = {"classify": ClassifyUniforms(resource.weighted and not resource.function.associated)}
-        kept[key] = _voxel_texture(
+    values = {"classify": ClassifyUniforms(resource.weighted and not resource.function.associated)}
+    return device.kept.get(
+        ("classified", grid.channels, grid.time, resource.function, resource.weighted, grid.filtered),
+        lambda: _voxel_texture(
             device, alone, "classified_grid", "classified_out", "rgba32float", values, anchor_world, progress
-        )
-    return kept[key]
+        ),
+        grid.volume,
+    )
+
+
+def leaps_texture(
+    device: Device, resource: BlockLeaps, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress
+) -> Any:
+    """Texture of leaps over blocks; ranges are made once for a volume, whatever values are wanted."""
+    ranges, volume = resource.ranges, layer.context.volume
+    grid = ranges.grid
+    key = ("ranges", grid.channels, grid.time, grid.masked, ranges.reach, ranges.overshoot)
+
+    def make() -> blocks.Ranges:
+        alone = DrawnLayer({"field": ranges.reader}, layer.context, {"field": {"grid": grid}})
+        size = tuple(max(1, -(-(n - 1) // BLOCK_VOXELS)) for n in volume.size)
+        values: dict[str, Any] = {"block": BlockUniforms(size, ranges.reach, ranges.overshoot)}  # type: ignore[arg-type]
+        program = build_program(_alone_key(device, alone, "block_ranges", "ranges_out", tuple(values)))
+        values |= uniform_values(device, {}, (alone,), anchor_world, progress)
+        bound = bound_resources(device, program, (alone,), {}, anchor_world, progress)
+        packed = pack_uniforms(program, FrameUniforms(), values)
+        return blocks.compute_ranges(device, program, packed, bound, size)  # type: ignore[arg-type]
+
+    def upload() -> Any:
+        return blocks.upload_leaps(device, blocks.leaps(device.kept.get(key, make, grid.volume), resource.wanted))
+
+    return device.kept.get(("leaps", *key, resource.wanted), upload, grid.volume)
+
+
+def _alone_key(device: Device, alone: DrawnLayer, root: str, output: str, extra: tuple[str, ...]) -> ProgramKey:
+    """Key of a pass with the stages of a layer that has no others."""
+    return ProgramKey(
+        f"passes/{root}.wgsl",
+        (),
+        (tuple((s, stage_key(stage, alone.resources[s], stage.variant(alone.context))) for s, stage in alone.stages.items()),),
+        (output,),
+        extra,
+        Switches(has_empty=alone.field.masked),
+        device.traits,
+        alone.field.groups(alone.context),
+    )
 
 
 def _voxel_texture(
@@ -246,17 +292,7 @@ def _voxel_texture(
     progress: textures.Progress,
 ) -> Any:
     """Texture that a pass fills, voxel by voxel, by the stages of a layer that has no others."""
-    key = ProgramKey(
-        f"passes/{root}.wgsl",
-        (),
-        (tuple((s, stage_key(stage, alone.resources[s], stage.variant(alone.context))) for s, stage in alone.stages.items()),),
-        (output,),
-        ("slice", *extra),
-        Switches(has_empty=alone.field.masked),
-        device.traits,
-        alone.field.groups(alone.context),
-    )
-    program = build_program(key)
+    program = build_program(_alone_key(device, alone, root, output, ("slice", *extra)))
     values = extra | uniform_values(device, {}, (alone,), anchor_world, progress)
     bound = bound_resources(device, program, (alone,), {}, anchor_world, progress)
 

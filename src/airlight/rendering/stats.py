@@ -2,11 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..stage import ClassifiedGrid, Grid, LabelCells, Resource, SlabTable, Table
+from ..stage import (
+    ClassifiedGrid,
+    DirectionGrid,
+    Estimate,
+    GradientGrid,
+    Grid,
+    LabelCells,
+    OpennessGrid,
+    Resource,
+    SlabTable,
+    Table,
+)
 from .march import MarchFrame, switches_of
 from .resources import grid_texture, label_texture
+
+
+class Estimates(Mapping[str, float]):
+    """Numbers by name; what takes time is computed when it is first read, not in every frame of an edit."""
+
+    def __init__(self, estimates: Mapping[str, Estimate]) -> None:
+        self._found = dict(estimates)
+
+    def __getitem__(self, name: str) -> float:
+        found = self._found[name]
+        if callable(found):
+            self._found[name] = found = found()
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
 
 
 def frame_statistics(frame: MarchFrame, step: float) -> dict[str, Any]:
@@ -27,26 +61,46 @@ def frame_statistics(frame: MarchFrame, step: float) -> dict[str, Any]:
         layers.append(
             {
                 "stages": {slot: stage.name for slot, stage in layer.stages.items()},
-                "textures": [{"format": t.encoding.format, "error": t.encoding.error, "bytes": t.bytes} for t in textures],
+                "textures": [
+                    {
+                        "format": t.encoding.format,
+                        "error": t.encoding.error,
+                        "channel_errors": [encoding.error for encoding in t.encodings],
+                        "bytes": t.bytes,
+                    }
+                    for t in textures
+                ],
                 "tables": tables,
-                "errors": {
-                    f"{slot}: {what}": error
-                    for slot, stage in layer.stages.items()
-                    for what, error in stage.errors(layer.context).items()
+                "voxels": {
+                    f"{slot}.{name}": made
+                    for slot, resources in layer.resources.items()
+                    for name, r in resources.items()
+                    if (made := _made(r, layer.context.volume.size))
                 },
+                "errors": Estimates(
+                    {
+                        f"{slot}: {what}": error
+                        for slot, stage in layer.stages.items()
+                        for what, error in stage.errors(layer.context).items()
+                    }
+                ),
                 "level": 0,
             }
         )
     return {
         "adapter": {"name": info.name, "kind": info.kind, "backend": info.backend, "driver": info.driver},
         "core": frame.device.core,
+        "kept": {"bytes": frame.device.kept.bytes, "limit": frame.device.kept.limit_bytes},
         "driver": frame.scene_stages["driver"].name,
         "size": list(frame.size_px),
         "step": step,
         "step_world": frame.step_world,
         "curved": switches_of(frame).curved,
-        "skip": {"asked": frame.skip, "done": "none"},
+        "skip": {"asked": frame.skip, "done": "blocks" if switches_of(frame).skips_blocks else "none"},
         "layers": layers,
+        "tables": {
+            f"{slot}.{name}": _shape(r) for slot, resources in frame.scene_resources.items() for name, r in resources.items()
+        },
     }
 
 
@@ -60,4 +114,18 @@ def _shape(resource: Resource) -> list[int]:
         case ClassifiedGrid():
             x, y, z = resource.grid.volume.size
             return [z, y, x, 4]
+        case OpennessGrid():
+            x, y, z = resource.cells
+            return [z, y, x, 4]
     return []
+
+
+def _made(resource: Resource, size: tuple[int, int, int]) -> dict[str, Any]:
+    """Format and bytes of a texture that is computed at the voxels, empty for what is none."""
+    x, y, z = size
+    match resource:
+        case GradientGrid():
+            return {"format": resource.texel_format, "bytes": x * y * z * (8 if resource.format == "float16" else 4)}
+        case DirectionGrid():
+            return {"format": f"rgba{resource.bits}uint", "bytes": -(-x // 4) * y * z * resource.bits // 2}
+    return {}

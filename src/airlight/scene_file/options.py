@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any, TypedDict, get_args, get_origin
 
+from ..environment.reading import ENDINGS
 from ..stage import Stage
 from .table import Table
 from .values import stage_from_values
@@ -69,6 +71,15 @@ def recipe_value(key: str, text: str) -> Any:
     return text == "true" if hint is bool else hint(text)
 
 
+def placed(value: Any, table: Table) -> Any:
+    """Return a value with the picture that it names, if it is a name or a table that does, relative to the scene's folder."""
+    if isinstance(value, dict) and isinstance(value.get("file"), str):
+        return value | {"file": str(Path(table.file).absolute().parent / value["file"])}
+    if isinstance(value, str) and value.lower().endswith(ENDINGS):
+        return str(Path(table.file).absolute().parent / value)
+    return value
+
+
 def stage_in(table: Table, key: str, slot: str) -> Stage:
     """Stage that a table names, with its parameters."""
     table.taken.add(key)
@@ -78,5 +89,6 @@ def stage_in(table: Table, key: str, slot: str) -> Stage:
             key, f"is {value!r}, must be a name or a table with a name", 'e.g. { name = "blinn_phong", ambient = 0.2 }'
         )
     name, values = (value, {}) if isinstance(value, str) else (value["name"], {k: v for k, v in value.items() if k != "name"})
+    values = {key: placed(value, table) for key, value in values.items()}
     with table.located(key):
         return stage_from_values(slot, name, values, slot)

@@ -9,19 +9,22 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..environment import Environment
 from ..labels import Labels
 from ..scene import VIEWS, Camera, Layer, Light, Look, Scene
 from ..transfer import Channels, TransferFunction
+from ..transfer.colour import Colour
 from ..transfer.joint import JointFunction
 from ..transfer.kinds import AnyFunction
 from ..volume import Volume
-from .options import FORMAT, RenderOptions, checked_options, recipe_of, stage_in
+from .options import FORMAT, RenderOptions, checked_options, placed, recipe_of, stage_in
 from .table import Table, parsed
 
-# Entries of the kinds of transfer functions beside those of one value; the first tells the kind.
-OTHER_KINDS: dict[Any, tuple[str, ...]] = {
+# Entries of the kinds of transfer functions; the first tells the kind.
+KINDS: dict[Any, tuple[str, ...]] = {
     Channels: ("channels",),
     JointFunction: ("axes", "shapes", "associated"),
+    TransferFunction: ("points", "associated", "surfaces"),
 }
 
 
@@ -66,15 +69,14 @@ def load_scene(
     version = root.take("format", int, FORMAT)
     if version != FORMAT:
         raise root.error("format", f"is {version}, this version reads {FORMAT}", "use a newer airlight")
-    background = root.take("background", str | tuple[float, float, float], (0.0, 0.0, 0.0))
+    background = _background(root)
     lights = [_light(table) for table in root.tables("lights")] if "lights" in root.data else None
     layers = [_layer(table, volume) for table in root.tables("layers")]
     camera = _camera(root)
     options = checked_options(root.table("render"))
     root.close()
     with root.located():
-        none = background == "none"
-        return Scene(layers=layers, camera=camera, lights=lights, background=None if none else background), options
+        return Scene(layers=layers, camera=camera, lights=lights, background=background), options
 
 
 def load_transfer(path: str | Path) -> AnyFunction:
@@ -127,23 +129,22 @@ def _labels(table: Table, volume: Callable[[Table], Volume]) -> Labels | None:
 
 def _transfer(table: Table) -> AnyFunction:
     """Transfer function of the kind that has one of the table's entries."""
-    for kind, entries in OTHER_KINDS.items():
-        if entries[0] in table.data:
-            table.taken |= set(entries)
-            table.close()
-            with table.located(entries[0]):
-                other: AnyFunction = kind.from_dict(table.data)
-            return other
-    table.taken |= {"points", "associated", "surfaces"}
+    kind = next((kind for kind, entries in KINDS.items() if entries[0] in table.data), TransferFunction)
+    table.taken |= set(KINDS[kind])
     table.close()
-    associated = table.take("associated", bool, False)
-    points = table.data.get("points", [])
-    if not isinstance(points, list) or not all(isinstance(p, list) for p in points):
-        raise table.error("points", f"is {points!r}", "write [[value, colour, extinction], ...]")
-    with table.located("points"):
-        function = TransferFunction([tuple(p) for p in points], associated)
-    with table.located("surfaces"):
-        return dataclasses.replace(function, surfaces=table.data.get("surfaces", ()))
+    with table.located_inside("transfer"):
+        function: AnyFunction = kind.from_dict(table.data)
+        return function
+
+
+def _background(root: Table) -> Environment | Colour | None:
+    """Colour, an environment in a table, or none."""
+    if isinstance(root.data.get("background"), dict):
+        root.taken.add("background")
+        with root.located("background"):
+            return Environment.from_dict(placed(root.data["background"], root))
+    colour: Colour = root.take("background", str | tuple[float, float, float], (0.0, 0.0, 0.0))
+    return None if colour == "none" else colour
 
 
 def _camera(root: Table) -> Camera | str:

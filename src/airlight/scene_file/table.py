@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..errors import AirlightError, FileError, ValueRangeError
+from ..errors import AirlightError, ValueRangeError
+from ..files import Place, line_of, place_of, read_table
 from .values import checked_value
 
-Place = tuple[str | int, ...]
 T = TypeVar("T")
 
 
@@ -32,8 +31,10 @@ class Table:
     def where(self, key: str | None = None) -> str:
         """File, line and key, for messages."""
         place = (*self.place, key) if key is not None else self.place
-        name = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in place).removeprefix(".")
-        line = _line_of(self.text, place) if self.file else None
+        return self._located(place, _dotted(place))
+
+    def _located(self, place: Place, name: str) -> str:
+        line = line_of(self.text, place) if self.file else None
         prefix = f"{self.file}:{line}" if line else self.file
         return ": ".join(part for part in (prefix, name) if part)
 
@@ -83,54 +84,22 @@ class Table:
         except (TypeError, ValueError, AttributeError) as error:
             raise self.error(key, f"has a wrong value ({error})") from error
 
+    @contextlib.contextmanager
+    def located_inside(self, root: str) -> Iterator[None]:
+        """Put file and line in front of what a value says of one of its entries, which it calls ``root.entry``."""
+        try:
+            yield
+        except AirlightError as error:
+            name = (_dotted(self.place) or root) + error.where.removeprefix(root)
+            where = self._located((*self.place, *place_of(error.where)), name)
+            raise type(error)(where, error.what, error.remedy) from error
+
+
+def _dotted(place: Place) -> str:
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
+
 
 def parsed(path: Path) -> Table:
     """Return the whole of a TOML or JSON file as a table."""
-    try:
-        text = path.read_text(encoding="utf-8")
-        if path.suffix.lower() == ".json":
-            import json
-
-            data = json.loads(text)
-        else:
-            import tomllib
-
-            data = tomllib.loads(text)
-    except OSError as error:
-        raise FileError(str(path), f"cannot be read ({error.strerror})") from error
-    except (ValueError, RecursionError) as error:  # also what tomllib and json raise, with the line in it
-        raise FileError(str(path), f"is no sound file ({error})") from error
-    if not isinstance(data, dict):
-        raise FileError(str(path), f"holds {type(data).__name__}, must be a table")
+    data, text = read_table(path)
     return Table(data, (), str(path), text)
-
-
-_HEADER = re.compile(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]")
-_KEY = re.compile(r"\s*([^\s=#\[\]{}][^=#\[\]{}]*)=")
-
-
-def _line_of(text: str, place: Place) -> int | None:
-    """Line of a key, or of the innermost table or key round it that has one; a scan that knows no multi-line strings."""
-    counts: dict[tuple[str, ...], int] = {}
-    table: Place = ()
-    best: tuple[int, int | None] = (0, None)
-    for number, line in enumerate(text.splitlines(), start=1):
-        if header := _HEADER.match(line):
-            names = _names(header[2])
-            if header[1] == "[[":
-                counts[names] = counts.get(names, -1) + 1
-            table = ()
-            for n, name in enumerate(names, start=1):
-                table += (name, counts[names[:n]]) if names[:n] in counts else (name,)
-            here = table
-        elif key := _KEY.match(line):
-            here = table + _names(key[1])
-        else:
-            continue
-        if place[: len(here)] == here and len(here) > best[0]:
-            best = (len(here), number)
-    return best[1]
-
-
-def _names(dotted: str) -> tuple[str, ...]:
-    return tuple(name.strip().strip("\"'") for name in dotted.split("."))

@@ -10,8 +10,11 @@ from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+from ..environment import Environment
 from ..errors import ValueRangeError
 from ..stage import STAGES, Stage, stage_fields
+
+ENVIRONMENT = 'studio, sky, white, the name of a picture, or a table like { kind = "sky", turbidity = 4 }'
 
 # -- stages by name, with values for their parameters
 
@@ -62,6 +65,8 @@ def describe_type(hint: Any) -> str:
     if get_origin(kind) is tuple:
         parts = get_args(kind)
         return "a list" if parts[-1] is Ellipsis else f"a list of {len(parts)}, each {describe_type(parts[0])}"
+    if kind is Environment:
+        return ENVIRONMENT
     words = {float: "a number", int: "a whole number", bool: "true or false", str: "text", type(None): "none"}
     return words.get(kind, "a list of numbers" if kind is np.ndarray else getattr(kind, "__name__", str(kind)))
 
@@ -78,6 +83,8 @@ def _alternatives(hint: Any) -> tuple[Any, ...]:
 def _as_kind(value: Any, kind: Any) -> Any:
     if kind is float and isinstance(value, (int, float)) and not isinstance(value, bool):
         return float(value)
+    if kind is Environment and isinstance(value, (str, dict)):
+        return Environment.named(value) if isinstance(value, str) else Environment.from_dict(value)
     if kind is np.ndarray and isinstance(value, (list, tuple)):
         with contextlib.suppress(ValueError):
             return np.array(value, dtype=np.float64)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..environment import Environment
 from ..errors import DataError
+from ..files import write_table
 from ..scene import Layer, Light, Look, Scene
 from ..stage import STAGES, Stage, stage_fields
 from ..volume import Volume
@@ -42,25 +43,20 @@ def save_scene(
     ValueRangeError
         When ``render`` holds unknown options or wrong values.
     """
-    import tomli_w
-
-    from ..io.paths import replacing
-
     path = Path(path)
     options = _plain(dict(render or {}), "render")
     checked_options(Table(options, ("render",), ""))
     namer = _VolumeNamer(path.absolute().parent, None if embed is None else Path(embed))
     data: dict[str, Any] = {
         "format": FORMAT,
-        "background": "none" if scene.background is None else list(scene.background),
+        "background": "none" if scene.background is None else _plain(scene.background, "background"),
         "camera": scene.camera if isinstance(scene.camera, str) else _stage_data(scene.camera),
         "lights": [_light_data(light) for light in scene.lights],
         "layers": [_layer_data(layer, f"layers[{n}]", namer) for n, layer in enumerate(scene.layers)],
     }
     if options:
         data["render"] = options
-    with replacing(path) as temporary:
-        temporary.write_text(_short_lists_in_line(tomli_w.dumps(data)), encoding="utf-8")
+    write_table(path, _relative_pictures(data, namer))
 
 
 # -- from values to plain data
@@ -81,7 +77,7 @@ class _VolumeNamer:
     def _named(self, volume: Volume) -> dict[str, Any]:
         source = volume.source
         assert source is not None
-        data: dict[str, Any] = {"file": self._relative(source.path)}
+        data: dict[str, Any] = {"file": self.relative(source.path)}
         data |= {"dataset": source.dataset} if source.dataset else {}
         data |= {"level": source.level} if source.level else {}
         return data | {key: recipe_value(key, text) for key, text in source.options}
@@ -96,10 +92,10 @@ class _VolumeNamer:
             path = self.embed.with_suffix(".nrrd")
             path = path if number == 1 else path.with_stem(f"{path.stem}-{number}")
             save(volume, path)
-            self.written[id(volume)] = {"file": self._relative(str(path))}
+            self.written[id(volume)] = {"file": self.relative(str(path))}
         return self.written[id(volume)]
 
-    def _relative(self, path: str) -> str:
+    def relative(self, path: str) -> str:
         try:
             return Path(os.path.relpath(os.path.abspath(path), self.folder)).as_posix()
         except ValueError:  # another drive
@@ -141,6 +137,17 @@ def _light_data(light: Light) -> dict[str, Any]:
     return data | ({} if light.radius is None else {"radius": float(light.radius)})
 
 
+def _relative_pictures(data: Any, namer: _VolumeNamer) -> Any:
+    """Plain data with the pictures of environments named relative to the scene's folder."""
+    if isinstance(data, list):
+        return [_relative_pictures(part, namer) for part in data]
+    if not isinstance(data, dict):
+        return data
+    if data.get("kind") == "picture":
+        return data | {"file": namer.relative(data["file"])}
+    return {key: _relative_pictures(part, namer) for key, part in data.items()}
+
+
 def _plain(value: Any, where: str) -> Any:
     """What TOML can hold."""
     if isinstance(value, (np.ndarray, np.generic)):
@@ -153,16 +160,6 @@ def _plain(value: Any, where: str) -> Any:
         return {str(k): _plain(v, where) for k, v in value.items()}
     if isinstance(value, Stage):
         return _stage_data(value)
+    if isinstance(value, Environment):
+        return value.to_dict()
     raise DataError(where, f"is {value!r}", "a scene file holds numbers, words and lists")
-
-
-def _short_lists_in_line(text: str) -> str:
-    """Write vectors and control points on one line each; tomli_w gives every number a line of its own."""
-    scalar = r"[^\[\]\n]*"
-    for item in (scalar, rf"{scalar}(?:\[{scalar}\]{scalar})*"):
-        text = re.sub(rf"\[\n(?: {item},\n)+ *\]", _in_line, text)
-    return text
-
-
-def _in_line(match: re.Match[str]) -> str:
-    return "[" + ", ".join(re.split(r",\n *", match[0][1:-1].strip().removesuffix(","))) + "]"

@@ -196,6 +196,9 @@ def _take_imports(source: Source) -> tuple[str, tuple[Import, ...]]:
 
 # -- linking
 
+CHOSEN_PER_LAYER = frozenset({"piece"})
+"""What is imported like a slot of layers, but filled by the host: a choice that a layer's stage makes for files it shares."""
+
 Place = tuple[str, int | None]
 """A module by the name of its source, and the layer it is instantiated for; None outside of layers."""
 
@@ -348,7 +351,7 @@ def link(root: Source, slots: Mapping[str, tuple[tuple[str, Source], ...]], gene
 
 
 def _per_layer(slot: str | None) -> bool:
-    return slot in SLOTS and SLOTS[slot].per_layer
+    return slot in CHOSEN_PER_LAYER or (slot in SLOTS and SLOTS[slot].per_layer)
 
 
 def _check_stage(slot: str, source: Source) -> None:

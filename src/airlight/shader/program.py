@@ -15,22 +15,29 @@ from typing import Any
 
 from ..errors import StageError
 from ..stage import (
+    BLOCK_VOXELS,
     F32,
     SLOTS,
     U32,
+    BlockLeaps,
     Bool,
     ClassifiedGrid,
+    DirectionGrid,
+    GradientEncoding,
     GradientGrid,
     Grid,
     LabelCells,
+    LitDirections,
     Mat3f,
     Mat4f,
+    OpennessGrid,
     Resource,
     SlabTable,
     Stage,
     Table,
     Vec2u,
     Vec3f,
+    Vec3u,
     param,
     stage_fields,
     uniform_fields,
@@ -57,7 +64,10 @@ class FrameUniforms:
 
 @dataclass(frozen=True, eq=False)
 class LayerUniforms:
-    """The grid of a layer, its place in the world, and how its texels become values."""
+    """The grid of a layer, its place in the world, and how its texels become values.
+
+    Matrices have a column for each group of a value, and in it a row for each channel of the group.
+    """
 
     index_from_world: Mat4f = param(None)
     gradient_world_from_index: Mat3f = param(None)
@@ -67,7 +77,8 @@ class LayerUniforms:
     domain_high: Vec3f = param((0.0, 0.0, 0.0), unit="voxel")
     value_scale: F32 = param(1.0, unit="data")
     value_offset: F32 = param(0.0, unit="data")
-    gradient_scale: F32 = param(1.0, unit="data/world")
+    channel_scale: Mat4f = param(None, unit="data")
+    channel_offset: Mat4f = param(None, unit="data")
     neighbours: U32 = param(9)
 
 
@@ -96,10 +107,41 @@ class SliceUniforms:
 
 
 @dataclass(frozen=True)
+class SteepUniforms:
+    """The gradient from which on voxels have a direction."""
+
+    threshold: F32 = param(0.0, unit="data/world")
+
+
+@dataclass(frozen=True)
 class ClassifyUniforms:
     """Whether colours of voxels are kept times their extinction."""
 
     weighs: Bool = param(False)
+
+
+@dataclass(frozen=True)
+class BlockUniforms:
+    """How many blocks there are, how far beyond their faces samples count, and by which share of these the field overshoots."""
+
+    blocks: Vec3u = param((1, 1, 1))
+    reach: U32 = param(0, unit="voxel")
+    overshoot: F32 = param(0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class OcclusionUniforms:
+    """Cells of voxels, and the rays that look round from them; ``last`` is where the volume ends, in cells."""
+
+    block: Vec3u = param((1, 1, 1), unit="voxel")
+    cells: Vec3u = param((1, 1, 1))
+    last: Vec3f = param((1.0, 1.0, 1.0), unit="cell")
+    spacing: Vec3f = param((1.0, 1.0, 1.0), unit="world")
+    cells_from_world: Mat3f = param(None, unit="cell/world")
+    cell_world: F32 = param(1.0, unit="world")
+    step_world: F32 = param(1.0, unit="world")
+    steps: U32 = param(1)
+    directions: U32 = param(1)
 
 
 @dataclass(frozen=True)
@@ -118,8 +160,12 @@ class SlabTableUniforms:
 EXTRA_UNIFORMS: dict[str, type] = {
     "luminance": LuminanceUniforms,
     "slice": SliceUniforms,
+    "steep": SteepUniforms,
     "classify": ClassifyUniforms,
+    "encoding": GradientEncoding,
+    "block": BlockUniforms,
     "slab_table": SlabTableUniforms,
+    "occlusion": OcclusionUniforms,
 }
 
 SPACES = {"uniform": "<uniform>", "lights": "<storage, read>", "buffer": "<storage, read_write>"}
@@ -132,8 +178,17 @@ PASS_RESOURCES: dict[str, str] = {
     "segments": "array<vec4f>",
     "waiting": "array<vec4f>",
     "slab_table_out": "texture_storage_2d_array<rgba32float, write>",
-    "gradients_out": "texture_storage_3d<rgba16float, write>",
+    "gradients_float16_out": "texture_storage_3d<rgba16float, write>",
+    "gradients_snorm8_out": "texture_storage_3d<rgba8snorm, write>",
     "classified_out": "texture_storage_3d<rgba32float, write>",
+    "numbers8_out": "texture_storage_3d<rgba8uint, write>",
+    "numbers16_out": "texture_storage_3d<rgba16uint, write>",
+    "lit_directions_out": "texture_storage_3d<rgba32float, write>",
+    "occluders_out": "texture_storage_3d<rgba16float, write>",
+    "occluders": "texture_3d<f32>",
+    "openness_out": "texture_storage_3d<rgba16float, write>",
+    "ranges_out": "array<vec2f>",
+    "hits": "array<vec4f>",
 }
 
 
@@ -189,7 +244,8 @@ class Switches:
     ``has_empty``: fields may hold marked samples. ``skips_empty``: slabs that the transfer stage calls empty need not be taken.
     ``surfaces_only``: slabs without a surface need not be taken. ``classifies``: colour and opacity of slabs are looked at.
     ``weighted``: a table of slabs tells which share of the light lies towards the back. ``curved``: values are put right for
-    how the field curves along the ray.
+    how the field curves along the ray. ``lights_ends``: lighting keeps how ends of slabs are lit.
+    ``skips_blocks``: blocks of voxels in which there is no surface are passed over.
     """
 
     has_empty: bool = False
@@ -198,6 +254,8 @@ class Switches:
     classifies: bool = False
     weighted: bool = False
     curved: bool = False
+    lights_ends: bool = False
+    skips_blocks: bool = False
 
 
 @dataclass(frozen=True)
@@ -233,7 +291,7 @@ def stage_key(
 
 def _kind(resource: Resource) -> str:
     match resource:
-        case Table() | ClassifiedGrid():
+        case Table() | ClassifiedGrid() | LitDirections():
             return "table"
         case SlabTable():
             return "layers"
@@ -241,9 +299,11 @@ def _kind(resource: Resource) -> str:
             return "grid" if resource.filtered else "loaded_grid"
         case GradientGrid():
             return "gradients"
-        case LabelCells():
+        case LabelCells() | BlockLeaps() | DirectionGrid():
             return "labels"
-    known = "use Table, SlabTable, Grid, GradientGrid, ClassifiedGrid or LabelCells"
+        case OpennessGrid():
+            return "openness"
+    known = "use Table, SlabTable, Grid, GradientGrid, ClassifiedGrid, LabelCells, BlockLeaps or OpennessGrid"
     raise StageError("a stage", f"asks for a {type(resource).__name__}", known)
 
 
@@ -272,6 +332,9 @@ def build_program(key: ProgramKey) -> Program:
         for slot, stage in layer:
             members += build.stage(slot, stage, i)
             slots[slot] = (*slots.get(slot, ()), (stage.cls.name, stage_source(stage.cls.wgsl, stage.cls.name)))
+            if slot == "transfer":
+                piece = getattr(stage.cls, "piece", "unattenuated")
+                slots["piece"] = (*slots.get("piece", ()), (piece, package_source(f"transfer/{piece}.wgsl")))
     for name in key.extra:
         cls = EXTRA_UNIFORMS[name]
         members.append((name, class_struct(cls, name.title()), ""))
@@ -279,6 +342,10 @@ def build_program(key: ProgramKey) -> Program:
     slots["lookup"] = (
         ("lookup", package_source("lookup/filtered.wgsl" if key.traits.filters_float32 else "lookup/loaded.wgsl")),
     )
+    blocks = "leaps" if key.switches.skips_blocks else "unknown"
+    slots["blocks"] = ((blocks, package_source(f"blocks/{blocks}.wgsl")),)
+    hits = "kept" if "hits" in key.outputs else "dropped"
+    slots["hits"] = ((hits, package_source(f"hits/{hits}.wgsl")),)
     slots["values"] = (("values", package_source("values/packed.wgsl" if key.groups else "values/one.wgsl")),)
     uniforms = make_struct("Uniforms", members)
     build.bind(0, "uniforms", "Uniforms", "uniform")
@@ -286,10 +353,14 @@ def build_program(key: ProgramKey) -> Program:
         build.names["lights", None, "lights"] = build.bind(0, "lights", "array<LightRecord>", "lights")
         build.names["lights", None, "LightRecord"] = "LightRecord"
     for name in key.outputs:
-        kind = "buffer" if PASS_RESOURCES[name].startswith("array") else "storage_texture"
-        build.names["pass", None, name] = build.bind(3, name, PASS_RESOURCES[name], kind)
+        wgsl = PASS_RESOURCES[name]
+        kind = "buffer" if wgsl.startswith("array") else "storage_texture" if "storage" in wgsl else "filtered"
+        build.names["pass", None, name] = build.bind(3, name, wgsl, kind)
+        if kind == "filtered":
+            build.names["pass", None, f"{name}_sampler"] = build.bind(3, f"{name}_sampler", "sampler", "sampler")
     x, y = key.traits.workgroup
     constants = {"WORKGROUP_X": x, "WORKGROUP_Y": y, "LUMINANCE_SUMS": LUMINANCE_SUMS, "GROUPS": key.groups}
+    constants["BLOCK_VOXELS"] = BLOCK_VOXELS
     switches = {name.upper(): str(value).lower() for name, value in dataclasses.asdict(key.switches).items()}
     for name in ("Values", *switches, *constants):
         build.names["sizes", None, name] = name

@@ -78,6 +78,17 @@ class Camera(Stage):
         """
         raise StageError(f"camera {self.name!r}", "does not tell its rays", "give its class a method ray(p_px, size_px)")
 
+    def pixel_width(self, size_px: tuple[int, int]) -> tuple[float, float]:
+        """Return how wide a pixel is in the middle of the image: at the eye [world], and more per world unit of distance.
+
+        Raises
+        ------
+        StageError
+            When only the device knows the camera's rays.
+        """
+        remedy = "give its class a method pixel_width(size_px), or use the field linear"
+        raise StageError(f"camera {self.name!r}", "does not tell how wide its pixels are", remedy)
+
 
 def _on_image(camera: Camera, half_height: float, p_px: tuple[float, float], size_px: tuple[int, int]) -> FloatArray:
     """Way (3,) from the middle of the image to one of its points, whose upper left corner is (0, 0)."""
@@ -125,6 +136,10 @@ class Perspective(Camera):
         direction = self.basis()[2] + _on_image(self, self._half_height, p_px, size_px)
         return np.array(self.eye), direction / np.linalg.norm(direction)
 
+    def pixel_width(self, size_px: tuple[int, int]) -> tuple[float, float]:
+        """Return how wide a pixel is in the middle of the image: at the eye [world], and more per world unit of distance."""
+        return 0.0, 2 * self._half_height / size_px[1]
+
     @property
     def _half_height(self) -> float:
         return math.tan(math.radians(self.fov_deg) / 2)
@@ -149,3 +164,7 @@ class Orthographic(Camera):
     def ray(self, p_px: tuple[float, float], size_px: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
         """Return where the ray of a point of the image begins, and its direction, both (3,) in the world."""
         return self.eye + _on_image(self, self.height / 2, p_px, size_px), self.basis()[2]
+
+    def pixel_width(self, size_px: tuple[int, int]) -> tuple[float, float]:
+        """Return how wide a pixel is in the middle of the image: at the eye [world], and more per world unit of distance."""
+        return self.height / size_px[1], 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -16,5 +17,21 @@ class March(Stage):
     slot: ClassVar[str] = "driver"
     name: ClassVar[str] = "march"
     wgsl: ClassVar[str] = "march.wgsl"
-    curved: bool = static(False, help="put values right for the field's curvature, for transfer stages that integrate slabs")
+    curved: bool = static(True, help="put values right for the field's curvature where slabs of a smooth field are integrated")
     offsets: str = static("none", choices=("none", "interleaved"), help="shift of the samples along each ray")
+    refine: str = static(
+        "bisection",
+        choices=("none", "bisection", "secant", "exact"),
+        help="how the place of a surface between two samples is sharpened",
+    )
+    blocks: bool = static(True, help="sample each block of 4 voxels that may hold the surface, whatever the step")
+
+
+def gains_from_curvature(stages: Mapping[str, Stage]) -> bool:
+    """Whether a layer's stages, by slot, draw better with values put right for the field's curvature.
+
+    They do where slabs are classified along straight lines between samples of a field that is smooth: see
+    ``docs/decisions/0015``. The mean of a slab's two ends is better without, and a field that jumps has no curvature.
+    """
+    wanted = (("integrate", "classifies"), ("transfer", "integrates"), ("field", "smooth"))
+    return all(getattr(stages[slot], what, False) for slot, what in wanted)

@@ -18,20 +18,30 @@ class Field(Stage):
 
     Attributes
     ----------
-    support_voxels
-        Distance from a point beyond which no sample has influence.
-    overshoot
-        By how much of the samples' range the field may leave it.
     cells
         Whether the domain is that of voxel cells, ``[-0.5, n - 0.5]``, instead of centres, ``[0, n - 1]``.
+    smooth
+        Whether the field has a curvature between samples that are a step apart, which drivers may put right.
+    differentiable
+        Whether the device half has ``field_derivative``, which the gradient stage ``analytic`` asks for.
     """
 
     slot: ClassVar[str] = "field"
-    support_voxels: ClassVar[float] = 1.0
-    overshoot: ClassVar[float] = 0.0
     cells: ClassVar[bool] = False
+    smooth: ClassVar[bool] = True
     filtered: ClassVar[bool] = False
     masked: ClassVar[bool] = False
+    differentiable: ClassVar[bool] = False
+
+    @property
+    def support_voxels(self) -> float:
+        """Distance from a point beyond which nothing that the field's grid holds has influence."""
+        return 1.0
+
+    @property
+    def overshoot(self) -> float:
+        """By how much of the range of what its grid holds the field may leave it."""
+        return 0.0
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
         """Return the grid of the layer's channels and time step."""
@@ -50,7 +60,16 @@ class Field(Stage):
         raise StageError(f"look.field {self.name!r}", "draws one channel at a time", "use linear or nearest")
 
     def arranged(self, chosen: Mapping[str, Stage]) -> dict[str, Stage]:
-        """Return a layer's stages by slot, with this field and what it asks of the others."""
+        """Return a layer's stages by slot, with this field and what it asks of the others.
+
+        Raises
+        ------
+        StageError
+            When the derivative of a field is asked for that does not tell it.
+        """
+        if not self.differentiable and getattr(chosen["gradient"], "asks_derivative", False):
+            where = f"look.gradient {chosen['gradient'].name!r}"
+            raise StageError(where, f"asks for a derivative that the field {self.name} does not have", "use central")
         return {**chosen, "field": self}
 
 
@@ -68,8 +87,13 @@ class Nearest(Field):
 
     name: ClassVar[str] = "nearest"
     wgsl: ClassVar[str] = "field/nearest.wgsl"
-    support_voxels: ClassVar[float] = 0.5
     cells: ClassVar[bool] = True
+    smooth: ClassVar[bool] = False
+
+    @property
+    def support_voxels(self) -> float:
+        """Half a voxel."""
+        return 0.5
 
     def for_empty(self) -> Field:
         """Return the nearest field over marked samples."""
@@ -89,6 +113,7 @@ class Linear(Field):
 
     name: ClassVar[str] = "linear"
     wgsl: ClassVar[str] = "field/linear.wgsl"
+    differentiable: ClassVar[bool] = True
     filtered: ClassVar[bool] = True
 
     def for_empty(self) -> Field:
@@ -109,6 +134,7 @@ class LinearExact(Field):
 
     name: ClassVar[str] = "linear_exact"
     wgsl: ClassVar[str] = "field/linear_exact.wgsl"
+    differentiable: ClassVar[bool] = True
 
     def for_empty(self) -> Field:
         """Return the linear field over marked samples."""
@@ -137,6 +163,7 @@ class LinearMasked(LinearExact):
     name: ClassVar[str] = "linear_masked"
     wgsl: ClassVar[str] = "field/linear_masked.wgsl"
     masked: ClassVar[bool] = True
+    differentiable: ClassVar[bool] = False
 
 
 @register
@@ -191,7 +218,7 @@ class PreClassified(Field):
             if getattr(chosen[slot], "uses_values", True):
                 where = f"look.{slot} {chosen[slot].name!r}"
                 raise StageError(where, f"looks at values, and the field {self.name!r} has media", "use the field linear")
-        return {**chosen, "field": self, "transfer": FromField(self.weighted)}
+        return {**super().arranged(chosen), "transfer": FromField(self.weighted)}
 
 
 @dataclass(frozen=True)
@@ -214,3 +241,14 @@ class Voxels(LinearExact):
 @dataclass(frozen=True)
 class MaskedVoxels(LinearMasked):
     """Reader of single voxels where some are empty."""
+
+
+# The other fields, under the one name that users know.
+from .field_filters import BSpline as BSpline  # noqa: E402
+from .field_filters import BSplineExact as BSplineExact  # noqa: E402
+from .field_filters import CatmullRom as CatmullRom  # noqa: E402
+from .field_filters import Mitchell as Mitchell  # noqa: E402
+from .field_kernels import Kernel as Kernel  # noqa: E402
+from .field_kernels import KernelBody as KernelBody  # noqa: E402
+from .field_kernels import WindowedSinc as WindowedSinc  # noqa: E402
+from .field_levels import Levels as Levels  # noqa: E402

@@ -38,6 +38,7 @@ class OfChannels(Field):
     """
 
     uniform_type: ClassVar[type] = ChannelsUniforms
+    differentiable: ClassVar[bool] = False
 
     def uniforms(self, context: Context) -> Any:
         """Return the places of the groups and the lines of their channels."""

@@ -23,6 +23,7 @@ class Occupancy(Field):
     name: ClassVar[str] = "occupancy"
     wgsl: ClassVar[str] = "field/occupancy.wgsl"
     cells: ClassVar[bool] = True
+    smooth: ClassVar[bool] = False
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
         """Return nothing: the region stage has the labels."""
@@ -44,7 +45,7 @@ class Occupancy(Field):
             raise StageError(
                 "look.gradient 'precomputed'", "does not follow labels that are shown and hidden", "use central or sobel"
             )
-        return {**chosen, "field": self}
+        return super().arranged(chosen)
 
 
 def are_alone(labels: Labels | None, volume: Volume) -> bool:

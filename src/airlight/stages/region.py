@@ -102,7 +102,7 @@ def for_labels(labels: Labels | None, function: DrawnFunction, chosen: Mapping[s
         )
     if isinstance(function, TransferFunction) and function.surfaces:
         raise StageError("layer.transfer", "has surfaces, which labels do not hide or tint yet", "leave out one of the two")
-    if not getattr(integrate, "uses_slabs", True):
+    if not (getattr(integrate, "uses_slabs", True) or getattr(integrate, "classifies", True)):
         remedy = "use emission_absorption or first_hit, or leave the labels out"
         raise StageError(f"look.integrate {integrate.name!r}", "gathers values, and labels tint and hide what is drawn", remedy)
     return Labelled()

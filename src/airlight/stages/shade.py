@@ -10,10 +10,15 @@ from .field_channels import scalar_range
 
 
 class Shade(Stage):
-    """Base of the shade stages; ``lit`` tells whether normals and lights are needed at all."""
+    """Base of the shade stages.
+
+    ``lit`` tells whether normals and lights are needed at all; ``by_direction`` whether nothing of a sample counts but its
+    gradient, and its place for what lights send there.
+    """
 
     slot: ClassVar[str] = "shade"
     lit: ClassVar[bool] = True
+    by_direction: ClassVar[bool] = False
 
 
 @register
@@ -44,19 +49,20 @@ class BlinnPhong(Shade):
     """Ambient, diffuse and specular light at the gradient, without the factor 1/pi; specular light is white.
 
     ``rgb * (ambient + sum_l L_l * diffuse * |n.l|) + sum_l L_l * specular * |n.h|^shininess``, weighted by opacity. Below
-    ``gradient_threshold`` a normal means nothing and ambient light alone is left; None takes 1/2000 of the data's
-    robust range (percentiles 0.5 to 99.5) per smallest voxel spacing.
+    ``gradient_threshold`` a normal means nothing and ambient light alone is left; up to twice of it light fades in. None takes
+    1/2000 of the data's robust range (percentiles 0.5 to 99.5) per smallest voxel spacing.
     """
 
     name: ClassVar[str] = "blinn_phong"
     wgsl: ClassVar[str] = "shade/blinn_phong.wgsl"
+    by_direction: ClassVar[bool] = True
     uniform_type: ClassVar[type] = BlinnPhongUniforms
     ambient: F32 = param(0.1, at_least=0, help="share of the colour that needs no light")
     diffuse: F32 = param(0.7, at_least=0, help="share of the colour that follows the angle to the light")
     specular: F32 = param(0.2, at_least=0, help="strength of the white highlight")
     shininess: F32 = param(20.0, unit="1", above=0, up_to=10_000, help="exponent: larger means a smaller highlight")
     gradient_threshold: F32 | None = param(
-        None, unit="data/world", at_least=0, help="gradient below which only ambient light is left"
+        None, unit="data/world", at_least=0, help="gradient below which only ambient light is left; in full from twice of it on"
     )
     two_sided: Bool = param(True, help="whether surfaces are lit from behind, too")
 
@@ -72,3 +78,6 @@ class BlinnPhong(Shade):
 def automatic_threshold(context: Context) -> float:
     """1/2000 of the robust range of what gradients are taken of per smallest spacing, in its units per world unit."""
     return 0.0005 * scalar_range(context, 0.5, 99.5) / min(context.volume.spacing)
+
+
+from .environment import Environment as Environment  # noqa: E402  (it is made of the above)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Any, ClassVar
 
 from ..errors import StageError
-from ..stage import F32, U32, Context, Resource, SlabTable, Table, param
+from ..stage import F32, U32, Context, Estimate, Resource, SlabTable, Table, param
 from ..transfer import TransferFunction
 from ..transfer.crossings import (
     LAYERS_ALONE,
@@ -78,12 +79,13 @@ class WithSurfaces(Transfer):
             "pairs": Table(packed_pairs(context.transfer, context.step_world if self.in_medium else 0.0)),
         }
 
-    def errors(self, context: Context) -> dict[str, float]:
+    def errors(self, context: Context) -> Mapping[str, Estimate]:
         """Return what the cubic over lengths may cost a slab with several surfaces, beside what the medium's stage says."""
         found = super().errors(context)
-        if self.in_medium:
-            found = found | {"colour of a slab with several surfaces": crossing_error(context.transfer, context.step_world)}
-        return found
+        if not self.in_medium:
+            return found
+        several = partial(crossing_error, context.transfer, context.step_world)
+        return {**found, "colour of a slab with several surfaces": several}
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ class FastPreIntegratedSurfaces(WithSurfaces, FastPreIntegrated):
     """Surfaces in a medium that is integrated along straight lines, without attenuation inside the pieces of a slab."""
 
     name: ClassVar[str] = "preintegrated_fast_surfaces"
-    wgsl: ClassVar[str] = "transfer/preintegrated_fast_surfaces.wgsl"
+    wgsl: ClassVar[str] = "transfer/preintegrated_surfaces.wgsl"
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..errors import StageError
-from ..stage import F32, U32, Context, Mat4f, Resource, SlabTable, Stage, Table, Vec4f, param, register, static
+from ..stage import F32, U32, Context, Estimate, Mat4f, Resource, SlabTable, Stage, Table, Vec4f, param, register, static
 from ..transfer import Channels, JointFunction, TransferFunction
 from ..transfer.cells import end_media, even_cells, function_texels, has_stepped_ends, integral_to, two_parts, value_axis
 from ..transfer.kinds import DrawnFunction
@@ -50,11 +51,16 @@ class FunctionUniforms:
 
 
 class Transfer(Stage):
-    """Base of the transfer stages: the function itself, as the cells that it is linear in."""
+    """Base of the transfer stages: the function itself, as the cells that it is linear in.
+
+    ``integrates`` tells whether slabs run along the straight line between their two values; ``piece`` names the file below
+    ``transfer/`` that draws a piece of such a line, for WGSL that imports ``slot::piece::between``.
+    """
 
     slot: ClassVar[str] = "transfer"
     uniform_type: ClassVar[type | None] = FunctionUniforms
-    integrates: ClassVar[bool] = False  # along the straight line between a slab's two values
+    integrates: ClassVar[bool] = False
+    piece: ClassVar[str] = "unattenuated"
 
     def for_function(self, function: DrawnFunction) -> Transfer:
         """Return the stage that draws a function of this kind in this stage's way."""
@@ -68,6 +74,10 @@ class Transfer(Stage):
     def uses_gradient(self, function: DrawnFunction) -> bool:
         """Whether classification asks the look's gradient stage, which is left out otherwise where nothing is lit."""
         return False
+
+    def splitting(self) -> Transfer:
+        """Return the stage that tells which part of a slab's light comes from each of its ends, if it is not this."""
+        return self
 
     def has_empty(self, context: Context) -> bool:
         """Whether there are values at which the function holds nothing, so that slabs can be skipped."""
@@ -106,6 +116,32 @@ class Transfer(Stage):
     def resources(self, context: Context) -> Mapping[str, Resource]:
         """Return the cells of the function."""
         return {"function": Table(function_texels(context.transfer))}
+
+
+def __getattr__(name: str) -> Any:
+    """Names of the package of functions: ``import airlight.transfer.presets as p`` looks for them in ``al.transfer``."""
+    if name.startswith("_"):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module("...transfer", __name__), name)
+
+
+def without_table(stage: Transfer, what: str) -> None:
+    """Refuse a stage that asks for a certain table of slabs where there is none.
+
+    Raises
+    ------
+    StageError
+        Names what is asked for.
+    """
+    told = [
+        f"{name}={getattr(stage, name)}"
+        for name, usual in (("entries", 0), ("lengths", 1))
+        if getattr(stage, name, usual) != usual
+    ]
+    if told:
+        raise StageError(
+            f"look.transfer {stage.name!r}", f"asks for {' and '.join(told)}, and {what} have no table of slabs", "leave it out"
+        )
 
 
 def is_empty_beyond(function: TransferFunction) -> bool:
@@ -147,7 +183,7 @@ class FastPreIntegrated(Transfer):
 
     name: ClassVar[str] = "preintegrated_fast"
     integrates: ClassVar[bool] = True
-    wgsl: ClassVar[str] = "transfer/preintegrated_fast.wgsl"
+    wgsl: ClassVar[str] = "transfer/preintegrated.wgsl"
 
 
 @register
@@ -161,6 +197,7 @@ class PreIntegrated(Transfer):
 
     name: ClassVar[str] = "preintegrated"
     integrates: ClassVar[bool] = True
+    piece: ClassVar[str] = "attenuated"
     wgsl: ClassVar[str] = "transfer/preintegrated.wgsl"
     entries: U32 = param(0, at_least=0, up_to=4096, help="size of the table along each axis; 0 chooses it from the function")
     lengths: U32 = param(1, at_least=1, up_to=64, help="lengths of slabs in the table; one serves shorter slabs well")
@@ -178,14 +215,18 @@ class PreIntegrated(Transfer):
         base = super().uniforms(context)
         return replace(base, slab_entries=table.entries, slab_lengths=table.lengths, slab_length=table.length)
 
+    def splitting(self) -> Transfer:
+        """Return the stage whose table is weighted."""
+        return replace(self, weighted=True)
+
     def variant(self, context: Context) -> dict[str, bool]:
         """Return whether the table has several lengths, beside what all transfer stages return."""
         return super().variant(context) | {"layered": self.lengths > 1}
 
-    def errors(self, context: Context) -> dict[str, float]:
+    def errors(self, context: Context) -> Mapping[str, Estimate]:
         """Return what interpolation between the entries of the table may cost a slab."""
         table = self.table(context)
-        return {"colour of a slab": colour_error(table.function, table.length, table.entries)}
+        return {"colour of a slab": partial(colour_error, table.function, table.length, table.entries)}
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
         """Return the function and the table of slabs."""

@@ -5,19 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..errors import StageError
-from ..stage import U32, Context, Mat4f, Resource, Table, param
+from ..stage import U32, Context, Estimate, Mat4f, Resource, Table, param
 from ..transfer.cells import all_even, even_cells, has_stepped_ends, stacked_texels, value_axis
 from ..transfer.channels import ENDLESS, Channels
 from ..transfer.function import TransferFunction
 from ..transfer.regions import ByRegion
 from ..volume import FloatArray
 from .field_channels import by_group, lanes_of
-from .transfer import Transfer, is_empty_beyond
+from .transfer import Transfer, is_empty_beyond, without_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,14 +40,8 @@ class MixtureUniforms:
     other_empty_high: Mat4f = param(None, unit="data")
 
 
-class Mixture(Transfer):
-    """Base of the stages for several channels: extinctions add, colours are weighted by extinction."""
-
-    uniform_type: ClassVar[type] = MixtureUniforms
-
-    def has_empty(self, context: Context) -> bool:
-        """Whether there are values at which no function holds anything."""
-        return all(function.empty_stretches for function in context.transfer.functions)
+class OfSeveral(Transfer):
+    """Base of the stages for several functions, whose cells lie one behind the other."""
 
     def variant(self, context: Context) -> dict[str, bool]:
         """Return what colours mean, what lies at the ends of the functions, and whether all cells are equally wide."""
@@ -57,6 +52,20 @@ class Mixture(Transfer):
             "stepped_ends": any(has_stepped_ends(function) for function in functions),
             "even": all_even(functions),
         }
+
+    def resources(self, context: Context) -> Mapping[str, Resource]:
+        """Return the cells of the functions, one behind the other."""
+        return {"function": Table(stacked_texels(context.transfer.functions))}
+
+
+class Mixture(OfSeveral):
+    """Base of the stages for several channels: extinctions add, colours are weighted by extinction."""
+
+    uniform_type: ClassVar[type] = MixtureUniforms
+
+    def has_empty(self, context: Context) -> bool:
+        """Whether there are values at which no function holds anything."""
+        return all(function.empty_stretches for function in context.transfer.functions)
 
     def uniforms(self, context: Context) -> Any:
         """Return the axes of the functions."""
@@ -82,10 +91,6 @@ class Mixture(Transfer):
             other_empty_high=end(3, -ENDLESS),
         )
 
-    def resources(self, context: Context) -> Mapping[str, Resource]:
-        """Return the cells of the functions, one behind the other."""
-        return {"function": Table(stacked_texels(context.transfer.functions))}
-
 
 @dataclass(frozen=True)
 class PostClassifiedChannels(Mixture):
@@ -106,9 +111,9 @@ class PreIntegratedChannels(Mixture):
     wgsl: ClassVar[str] = "transfer/preintegrated_channels.wgsl"
     integrates: ClassVar[bool] = True
 
-    def errors(self, context: Context) -> dict[str, float]:
+    def errors(self, context: Context) -> Mapping[str, Estimate]:
         """Return what the even spread may cost a slab at worst: all channels at their densest, one before the other."""
-        return {"colour of a slab, its channels spread evenly": evenness_error(context.transfer, context.step_world)}
+        return {"colour of a slab, its channels spread evenly": partial(evenness_error, context.transfer, context.step_world)}
 
 
 def evenness_error(mixture: Channels | ByRegion, length: float) -> float:
@@ -147,5 +152,6 @@ def stand_in(stage: Transfer, function: Channels) -> Transfer:
     if stage.name == "postclassified":
         return PostClassifiedChannels()
     if stage.name in ("preintegrated", "preintegrated_fast"):
+        without_table(stage, "several channels")
         return PreIntegratedChannels()
     raise StageError(f"look.transfer {stage.name!r}", "draws one channel at a time", "use preintegrated or postclassified")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, ClassVar
 
 import numpy as np
 
 from ..errors import StageError
-from ..stage import U32, Context, Resource, Table, Vec3f, Vec3u, Vec4f, param
+from ..stage import U32, Context, Estimate, Resource, Table, Vec3f, Vec3u, Vec4f, param
 from ..transfer.channels import MOST_CHANNELS
 from ..transfer.joint import TABLE_ENTRIES, JointFunction
 from ..transfer.kinds import DrawnFunction
@@ -96,9 +96,9 @@ class Joint(Transfer):
         """Return the table of the shapes."""
         return {"shapes": Table(context.transfer.table(self._entries(context.transfer)))}
 
-    def errors(self, context: Context) -> dict[str, float]:
+    def errors(self, context: Context) -> Mapping[str, Estimate]:
         """Return what interpolation between the entries of the table may cost, as a share of the greatest extinction."""
-        return {"extinction between entries": interpolation_error(context.transfer, self._entries(context.transfer))}
+        return {"extinction between entries": partial(interpolation_error, context.transfer, self._entries(context.transfer))}
 
     def _entries(self, function: JointFunction) -> int:
         return self.entries or TABLE_ENTRIES[len(function.axes)]

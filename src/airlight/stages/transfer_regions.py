@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar
 
 from ..errors import StageError
-from ..stage import U32, Context, Mat4f, Resource, Table, Vec4f, param
-from ..transfer.cells import all_even, even_cells, has_stepped_ends, stacked_texels, value_axis
+from ..stage import U32, Context, Estimate, Mat4f, Vec4f, param
+from ..transfer.cells import even_cells, value_axis
 from ..transfer.regions import ByRegion
 from .field_channels import by_group
-from .transfer import Transfer, four_widest, is_empty_beyond
-from .transfer_channels import evenness_error
+from .transfer import Transfer, four_widest, without_table
+from .transfer_channels import OfSeveral, evenness_error
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,22 +29,12 @@ class RegionFunctionsUniforms:
     empty_high: Vec4f = param((-3e38, -3e38, -3e38, -3e38), unit="data")
 
 
-class OfRegions(Transfer):
+class OfRegions(OfSeveral):
     """Base of the stages for functions of regions: the media of the eight labels round a place, by their weights."""
 
     of_regions: ClassVar[bool] = True
 
     uniform_type: ClassVar[type | None] = RegionFunctionsUniforms
-
-    def variant(self, context: Context) -> dict[str, bool]:
-        """Return what colours mean, what lies at the ends of the functions, and whether all cells are equally wide."""
-        functions = context.transfer.functions
-        return {
-            "associated": functions[0].associated,
-            "open_ends": not all(is_empty_beyond(function) for function in functions),
-            "stepped_ends": any(has_stepped_ends(function) for function in functions),
-            "even": all_even(functions),
-        }
 
     def uniforms(self, context: Context) -> Any:
         """Return the axes of the functions."""
@@ -59,10 +50,6 @@ class OfRegions(Transfer):
             empty_low=low,
             empty_high=high,
         )
-
-    def resources(self, context: Context) -> Mapping[str, Resource]:
-        """Return the cells of the functions, one behind the other."""
-        return {"function": Table(stacked_texels(context.transfer.functions))}
 
 
 @dataclass(frozen=True)
@@ -84,10 +71,13 @@ class PreIntegratedRegions(OfRegions):
     wgsl: ClassVar[str] = "transfer/preintegrated_regions.wgsl"
     integrates: ClassVar[bool] = True
 
-    def errors(self, context: Context) -> dict[str, float]:
+    def errors(self, context: Context) -> Mapping[str, Estimate]:
         """Return what the even spread may cost a slab at worst."""
-        alone = (ByRegion((function,)) for function in context.transfer.functions)
-        return {"colour of a slab, its medium spread evenly": max(evenness_error(one, context.step_world) for one in alone)}
+        return {"colour of a slab, its medium spread evenly": partial(_worst_evenness, context.transfer, context.step_world)}
+
+
+def _worst_evenness(regions: ByRegion, length: float) -> float:
+    return max(evenness_error(ByRegion((function,)), length) for function in regions.functions)
 
 
 def stand_in(stage: Transfer, function: ByRegion) -> Transfer:
@@ -95,6 +85,7 @@ def stand_in(stage: Transfer, function: ByRegion) -> Transfer:
     if stage.name == "postclassified":
         return PostClassifiedRegions()
     if stage.name in ("preintegrated", "preintegrated_fast"):
+        without_table(stage, "functions of labels")
         return PreIntegratedRegions()
     raise StageError(
         f"look.transfer {stage.name!r}", "draws one function", "use preintegrated or postclassified for own ones of labels"

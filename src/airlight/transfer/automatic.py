@@ -17,15 +17,12 @@ from ..errors import DataError, ValueRangeError
 from ..volume import FloatArray, Volume, domain_index, is_empty, statistics
 from .arches import arches
 from .boundary import BINS, Boundary, boundaries, profile, values_at
-from .colour import Colour
+from .colour import PALETTE, Colour
 from .function import TransferFunction
 from .histogram import Progress, Samples
 from .joint import JointFunction
 from .joint_axes import Axis
 from .joint_shapes import Triangle
-
-PALETTE = ("#56b4e9", "#e69f00", "#009e73", "#f0e442", "#d55e00", "#cc79a7", "#0072b2")
-"""sRGB colours of Okabe and Ito (2008), which people with any kind of colour vision tell apart."""
 
 EMPHASIS = ((-1.0, 0.0), (0.0, 1.0), (1.0, 0.0))
 """Boundary emphasis: a tent over the middle, one sigma to each side."""

@@ -178,7 +178,9 @@ def end_media(function: TransferFunction) -> FloatArray:
 
 
 def _in_lines(rows: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-    texels = np.zeros((1, -(-len(rows) // ROW_WIDTH), ROW_WIDTH, 4), dtype=np.float32)
+    """Rows as lines of a texture, as many as a power of two: where that changes, software Vulkan compiles shaders anew."""
+    lines = -(-len(rows) // ROW_WIDTH)
+    texels = np.zeros((1, 1 << (lines - 1).bit_length(), ROW_WIDTH, 4), dtype=np.float32)
     texels.reshape(-1, 4)[: len(rows)] = rows
     return texels
 

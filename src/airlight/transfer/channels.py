@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import numbers
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from textwrap import indent
 from typing import Any
 
 import numpy as np
@@ -13,8 +13,8 @@ import numpy as np
 from ..errors import ValueRangeError
 from ..volume import Volume
 from .function import TransferFunction
-from .given import listed
-from .joint_axes import set_fields
+from .given import flag, listed, not_negative, set_fields
+from .saving import Kept
 
 MOST_CHANNELS = 16
 ENDLESS = float(np.finfo(np.float32).max)
@@ -50,13 +50,9 @@ class Channel:
             raise ValueRangeError(where, f"has a {type(self.transfer).__name__}", "give it a TransferFunction")
         if self.transfer.surfaces:
             raise ValueRangeError(where, "has surfaces of equal value", "they are drawn of one channel, without a mixture")
-        if not isinstance(self.visible, (bool, np.bool_)):
-            raise ValueRangeError(where, f"has visible {self.visible!r}, must be true or false")
-        is_number = isinstance(self.density, numbers.Real) and not isinstance(self.density, bool)
-        if not (is_number and math.isfinite(self.density) and self.density >= 0):
-            raise ValueRangeError(where, f"has density {self.density!r}, must be a finite number of at least 0")
         channel = self.channel if isinstance(self.channel, str) else int(self.channel)
-        set_fields(self, channel=channel, visible=bool(self.visible), density=float(self.density))
+        visible, density = flag(self.visible, f"{where}: visible"), not_negative(self.density, f"{where}: density")
+        set_fields(self, channel=channel, visible=visible, density=density)
 
 
 @dataclass(frozen=True)
@@ -97,7 +93,7 @@ def slope_of(function: TransferFunction) -> Slope:
 
 
 @dataclass(frozen=True)
-class Channels:
+class Channels(Kept):
     """A mixture of channels in one march: extinctions add, colours are weighted by extinction.
 
     Parameters
@@ -175,6 +171,10 @@ class Channels:
         """Return the mixture with all densities multiplied."""
         return Channels([replace(part, density=part.density * density) for part in self.parts])
 
+    def as_code(self) -> str:
+        """Return Python text that makes an equal mixture, where airlight is imported as ``al``."""
+        return "\n".join(["al.Channels(", "    [", *(indent(_part_code(part), " " * 8) for part in self.parts), "    ],", ")"])
+
     def to_dict(self) -> dict[str, Any]:
         """Plain data, as scene files keep it."""
         return {"channels": [_part_to_dict(part) for part in self.parts]}
@@ -203,8 +203,22 @@ class Channels:
             try:
                 parts.append(Channel(**{**entry, "transfer": TransferFunction.from_dict(entry["transfer"])}))
             except ValueRangeError as error:
-                raise ValueRangeError(f"{where}: {error.where}", error.what, error.remedy) from None
+                inner = error.where.removeprefix("transfer.") if error.where.startswith("transfer.channel") else error.where
+                raise ValueRangeError(f"{where}: {inner}", error.what, error.remedy) from None
         return cls(parts)
+
+
+def _part_code(part: Channel) -> str:
+    rest = [] if part.visible else ["visible=False"]
+    rest += [] if part.density == 1 else [f"density={part.density!r}"]
+    return "\n".join(
+        [
+            "al.Channel(",
+            f"    {part.channel!r},",
+            *(indent(f"{text},", "    ") for text in [part.transfer.as_code(), *rest]),
+            "),",
+        ]
+    )
 
 
 def _part_to_dict(part: Channel) -> dict[str, Any]:

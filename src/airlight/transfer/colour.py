@@ -12,6 +12,12 @@ from ..errors import ValueRangeError
 
 Colour = str | Sequence[float]
 
+MOST_COLOUR = 16.0
+"""Greatest component of colours of media, surfaces and backgrounds; 1 is all of the light, what is beyond it glows."""
+
+PALETTE = ("#56b4e9", "#e69f00", "#009e73", "#f0e442", "#d55e00", "#cc79a7", "#0072b2")
+"""sRGB colours of Okabe and Ito (2008), which people with any kind of colour vision tell apart; the darkest comes last."""
+
 
 def srgb_to_linear(srgb: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Linear light of sRGB-encoded values in [0, 1] (IEC 61966-2-1)."""
@@ -26,13 +32,13 @@ def linear_to_srgb(linear: npt.ArrayLike) -> npt.NDArray[Any]:
     return encoded
 
 
-def linear_rgb(colour: Colour, where: str = "colour") -> tuple[float, float, float]:
+def linear_rgb(colour: Colour, where: str = "colour", most: float | None = None) -> tuple[float, float, float]:
     """Linear light of a colour: tuples are linear already, names and ``#rrggbb`` are sRGB and are decoded.
 
     Raises
     ------
     ValueRangeError
-        For unknown names, and tuples that are not three finite numbers of at least zero.
+        For unknown names, tuples that are not three finite numbers of at least zero, and those above ``most``.
     """
     if isinstance(colour, str):
         from PIL import ImageColor
@@ -49,4 +55,25 @@ def linear_rgb(colour: Colour, where: str = "colour") -> tuple[float, float, flo
         parts = np.empty(0)
     if parts.shape != (3,) or not np.isfinite(parts).all() or (parts < 0).any():
         raise ValueRangeError(where, f"is {colour!r}, must be three finite numbers of at least 0")
+    if most is not None:
+        check_colour(parts, where, most)
     return float(parts[0]), float(parts[1]), float(parts[2])
+
+
+def check_colour(rgb: npt.ArrayLike, where: str, most: float = MOST_COLOUR) -> None:
+    """Refuse what is brighter than a medium can be: 8-bit numbers in the place of linear light.
+
+    Raises
+    ------
+    ValueRangeError
+        Where a component is above ``most``; it says what to write instead.
+    """
+    parts = np.asarray(rgb, dtype=np.float64)
+    if parts.max() <= most * (1 + 1e-9):
+        return
+    words = ", ".join(f"{part:g}" for part in parts)
+    remedy = "1 is all of the light"
+    if parts.max() <= 255:
+        encoded = "".join(f"{round(part):02x}" for part in parts.tolist())
+        remedy = f'write "#{encoded}", which is sRGB, or divide by 255 where these are linear'
+    raise ValueRangeError(where, f"is ({words}), must be linear light of at most {most:g}", remedy)

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from ..errors import ValueRangeError
 from .colour import linear_to_srgb, srgb_to_linear
+from .given import rising_range, whole
 from .opacity import check_distance, extinction_from_opacity, extinctions_of, opacities_of, opacity_from_extinction
 from .polyline import FloatArray, Track, crossed, densified, even, sides, simplified, stepped, thinned, track, union
 
@@ -129,7 +130,7 @@ def from_ospray(
     ValueRangeError
         When an array has another shape, or numbers are out of range.
     """
-    low, high = _range(value_range, "ospray.value")
+    low, high = rising_range(value_range, "ospray.value")
     check_distance(density_scale, "ospray.densityScale")
     rgb = _checked_table(color, 3, "ospray.color")
     tau = _checked_table(np.asarray(opacity, dtype=np.float64)[..., None], 1, "ospray.opacity") * density_scale
@@ -152,14 +153,9 @@ def to_ospray(function: TransferFunction, entries: int = 1024) -> dict[str, Any]
     ValueRangeError
         For associated functions, functions of one value alone, and fewer than 2 entries.
     """
-    values, rows = _sampled(function, entries, "OSPRay")
-    scale = float(rows[:, 3].max()) or 1.0
-    return {
-        "color": rows[:, :3],
-        "opacity": rows[:, 3] / scale,
-        "value": (float(values[0]), float(values[-1])),
-        "densityScale": scale,
-    }
+    rgb, tau = _sampled(function, entries, "OSPRay")
+    scale = float(tau.max()) or 1.0
+    return {"color": rgb, "opacity": tau / scale, "value": function.domain, "densityScale": scale}
 
 
 # -- ANARI
@@ -194,7 +190,7 @@ def from_anari(
     ValueRangeError
         When an array has another shape, or numbers are out of range.
     """
-    low, high = _range(value_range, "anari.valueRange")
+    low, high = rising_range(value_range, "anari.valueRange")
     check_distance(unit_distance, "anari.unitDistance")
     colours = np.atleast_2d(np.asarray(color, dtype=np.float64))
     rgba = _checked_table(colours, 4 if colours.shape[-1] == 4 else 3, "anari.color")
@@ -222,13 +218,9 @@ def to_anari(function: TransferFunction, unit_distance: float = 1.0, entries: in
     ValueRangeError
         For associated functions, functions of one value alone, and fewer than 2 entries.
     """
-    values, rows = _sampled(function, entries, "ANARI")
-    return {
-        "color": rows[:, :3],
-        "opacity": opacity_from_extinction(rows[:, 3], unit_distance),
-        "valueRange": (float(values[0]), float(values[-1])),
-        "unitDistance": float(unit_distance),
-    }
+    rgb, tau = _sampled(function, entries, "ANARI")
+    alpha = opacity_from_extinction(tau, unit_distance)
+    return {"color": rgb, "opacity": alpha, "valueRange": function.domain, "unitDistance": float(unit_distance)}
 
 
 # -- tables of colours
@@ -263,7 +255,7 @@ def from_table(
     ValueRangeError
         When the table has another shape, or numbers are out of range.
     """
-    low, high = _range(value_range, "table.value_range")
+    low, high = rising_range(value_range, "table.value_range")
     check_distance(unit_distance, "table.unit_distance")
     rgba = _checked_table(table, 4, "table")
     rgb = rgba[:, :3] if _is_linear(encoding) else srgb_to_linear(rgba[:, :3])
@@ -354,17 +346,13 @@ def _parted(values: FloatArray) -> list[float]:
     return [float(v) for v in lowered]
 
 
-def _sampled(function: TransferFunction, entries: int, whose: str) -> Track:
-    """Return rows (n, 4) of a function at evenly spaced values."""
+def _sampled(function: TransferFunction, entries: int, whose: str) -> tuple[FloatArray, FloatArray]:
+    """Return colours (n, 3) and extinctions (n,) of a function at evenly spaced values."""
     _check_plain(function, whose)
     low, high = function.domain
-    if not entries >= 2:
-        raise ValueRangeError("entries", f"is {entries}, must be at least 2")
     if low == high:
         raise ValueRangeError("transfer", f"has the one value {low:g}, and {whose} needs a range", "add a point")
-    values = np.linspace(low, high, entries)
-    rgb, tau = function(values)
-    return values, np.column_stack([rgb, tau])
+    return function(np.linspace(low, high, whole(entries, "entries", 2)))
 
 
 def _check_plain(function: TransferFunction, whose: str) -> None:
@@ -372,13 +360,6 @@ def _check_plain(function: TransferFunction, whose: str) -> None:
         raise ValueRangeError("transfer", f"is associated, and {whose} knows no glow without extinction")
     if function.surfaces:
         raise ValueRangeError("transfer", f"has surfaces, and {whose} knows none", "leave them out: with_surfaces(())")
-
-
-def _range(value_range: tuple[float, float], where: str) -> tuple[float, float]:
-    low, high = (float(v) for v in value_range)
-    if not (np.isfinite([low, high]).all() and low < high):
-        raise ValueRangeError(where, f"runs from {low:g} to {high:g}", "give a finite range that rises")
-    return low, high
 
 
 def _checked_table(given: npt.ArrayLike, width: int, where: str) -> FloatArray:

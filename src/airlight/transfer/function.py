@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import ValueRangeError
-from . import colormaps, combine, conversions, opacity, saving, shapes
+from . import attenuation, colormaps, combine, conversions, opacity, saving, shapes
 from . import surfaces as sheets
-from .colour import Colour, linear_rgb
-from .given import density_factor, flag, listed
+from .colour import MOST_COLOUR, Colour, linear_rgb
+from .given import finite, flag, listed, not_negative, rising_range
 from .surfaces import Surface, checked_surfaces
 
 FloatArray = npt.NDArray[np.float64]
@@ -22,16 +22,18 @@ Point = tuple[float, tuple[float, float, float], float]
 
 
 @dataclass(frozen=True)
-class TransferFunction:
+class TransferFunction(saving.Kept):
     """Piecewise linear in (colour, extinction) between control points, constant beyond the ends.
 
     Parameters
     ----------
     points
         ``(value, colour, extinction)``, values in data units and not decreasing, colours linear ``(r, g, b)`` or sRGB words,
-        extinction per world unit. Two points at one value are a step; at the value itself the later one holds.
+        extinction per world unit. Two points at one value are a step; at the value itself the later one holds. 1 is all of the
+        light; colours may glow up to 16.
     associated
-        Colours are source terms ``c~`` as they stand, without the factor extinction; they may glow where extinction is 0.
+        Colours are source terms ``c~`` as they stand, without the factor extinction; they may glow where extinction is 0, and
+        as much as they like.
     surfaces
         Surfaces of equal value beside the medium, at most 1024 `Surface`; no two at one value. They are kept in order.
 
@@ -58,8 +60,8 @@ class TransferFunction:
         associated: bool = False,
         surfaces: Iterable[Surface] = (),
     ) -> None:
-        object.__setattr__(self, "points", _checked(points))
         object.__setattr__(self, "associated", flag(associated, "transfer.associated"))
+        object.__setattr__(self, "points", _checked(points, None if self.associated else MOST_COLOUR))
         object.__setattr__(self, "surfaces", checked_surfaces(surfaces))
 
     @cached_property
@@ -140,7 +142,7 @@ class TransferFunction:
 
         So are the optical thicknesses of surfaces: their opacities become ``1 - (1 - opacity)**density``.
         """
-        density = density_factor(density)
+        density = not_negative(density, "density")
         tint = density if self.associated else 1.0
         points = [(v, tuple(tint * c for c in rgb), density * e) for v, rgb, e in self.points]
         return replace_points(self, points, (surface.scaled(density) for surface in self.surfaces))
@@ -163,8 +165,7 @@ class TransferFunction:
 
     def shifted(self, by: float) -> TransferFunction:
         """Return the function with all values moved up by ``by``, in data units."""
-        if not np.isfinite(by):
-            raise ValueRangeError("transfer.shifted.by", f"is {by}, must be finite")
+        by = finite(by, "transfer.shifted.by")
         moved = (replace(surface, value=surface.value + by) for surface in self.surfaces)
         return replace_points(self, [(v + by, rgb, e) for v, rgb, e in self.points], moved)
 
@@ -178,9 +179,7 @@ class TransferFunction:
         ValueRangeError
             When ``to`` does not rise, or the function has one value alone.
         """
-        (first, last), (low, high) = self.domain, (float(v) for v in to)
-        if not (np.isfinite([low, high]).all() and low < high):
-            raise ValueRangeError("transfer.rescaled.to", f"runs from {low:g} to {high:g}", "give a finite range that rises")
+        (first, last), (low, high) = self.domain, rising_range(to, "transfer.rescaled.to")
         if first == last:
             raise ValueRangeError("transfer", f"has the one value {first:g}, which has no range", "use shifted")
         shares = ((v - first) / (last - first) for v, _, _ in self.points)
@@ -198,10 +197,9 @@ class TransferFunction:
         ValueRangeError
             When the range does not rise.
         """
-        if not (np.isfinite([low, high]).all() and low < high):
-            raise ValueRangeError("transfer.clipped", f"runs from {low:g} to {high:g}", "give a finite range that rises")
+        low, high = rising_range((low, high), "transfer.clipped")
         inside = (surface for surface in self.surfaces if low <= surface.value < high)
-        return replace_points(self, combine.clipped(self, float(low), float(high)), inside)
+        return replace_points(self, combine.clipped(self, low, high), inside)
 
     def with_reversed_colours(self) -> TransferFunction:
         """Return the function with its colours in the opposite order over its domain; extinctions stay where they are."""
@@ -236,6 +234,17 @@ class TransferFunction:
             return NotImplemented
         return replace_points(self, combine.greater(self, other), (*self.surfaces, *other.surfaces))
 
+    def picture(self) -> npt.NDArray[np.uint8]:
+        """Picture ``(h, w, 3)``, sRGB: extinction by value in the function's colours; notebooks show it."""
+        from .function_picture import function_picture
+
+        return function_picture(self)
+
+    def _repr_png_(self) -> bytes:
+        from .histogram_picture import png
+
+        return png(self.picture())
+
     # Constructors and conversions, each in the module of its kind.
     gaussian = classmethod(shapes.gaussian)
     box = classmethod(shapes.box)
@@ -247,10 +256,11 @@ class TransferFunction:
     from_surfaces, with_surfaces = classmethod(sheets.from_surfaces), sheets.with_surfaces
     from_colormap = classmethod(colormaps.from_colormap)
     from_table = classmethod(conversions.from_table)
+    from_hounsfield = classmethod(attenuation.from_hounsfield)
     from_vtk, to_vtk = classmethod(conversions.from_vtk), conversions.to_vtk
     from_ospray, to_ospray = classmethod(conversions.from_ospray), conversions.to_ospray
     from_anari, to_anari = classmethod(conversions.from_anari), conversions.to_anari
-    load, save, as_code = classmethod(saving.load), saving.save, saving.as_code
+    as_code = saving.as_code
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, as scene files keep it."""
@@ -259,7 +269,7 @@ class TransferFunction:
         return data | ({"surfaces": [surface.to_dict() for surface in self.surfaces]} if self.surfaces else {})
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> TransferFunction:
+    def from_dict(cls, data: Mapping[str, Any]) -> TransferFunction:
         """Return the function that ``to_dict`` wrote.
 
         Raises
@@ -279,20 +289,16 @@ def replace_points(
     return replace(function, points=tuple(points), surfaces=kept)  # type: ignore[arg-type]
 
 
-def _checked(points: Iterable[tuple[float, Colour, float]]) -> tuple[Point, ...]:
+def _checked(points: Iterable[tuple[float, Colour, float]], most_colour: float | None) -> tuple[Point, ...]:
     checked: list[Point] = []
     for number, point in enumerate(listed(points, "transfer.points", "give (value, colour, extinction) of each")):
         where = f"transfer.points[{number}]"
         if not isinstance(point, (tuple, list)) or len(point) != 3:
             raise ValueRangeError(where, f"is {point!r}", "give (value, colour, extinction)")
-        value, colour, extinction = _number(point[0], where, "value"), point[1], _number(point[2], where, "extinction")
-        if not np.isfinite(value):
-            raise ValueRangeError(where, f"has value {value}, must be finite")
-        if not np.isfinite(extinction) or extinction < 0:
-            raise ValueRangeError(where, f"has extinction {extinction}, must be finite and at least 0")
+        value, extinction = finite(point[0], f"{where}.value"), not_negative(point[2], f"{where}.extinction")
         if checked and value < checked[-1][0]:
             raise ValueRangeError(where, f"has value {value:g}, below the {checked[-1][0]:g} before it", "sort the points")
-        checked.append((value, linear_rgb(colour, f"{where}.colour"), extinction))
+        checked.append((value, linear_rgb(point[1], f"{where}.colour", most_colour), extinction))
     if not checked:
         raise ValueRangeError("transfer.points", "is empty", "give at least one (value, colour, extinction)")
     return tuple(checked)
@@ -301,12 +307,3 @@ def _checked(points: Iterable[tuple[float, Colour, float]]) -> tuple[Point, ...]
 def _read_only(array: FloatArray) -> FloatArray:
     array.flags.writeable = False
     return array
-
-
-def _number(given: Any, where: str, what: str) -> float:
-    if isinstance(given, (str, bytes, bool)):
-        raise ValueRangeError(where, f"has {what} {given!r}, must be a number")
-    try:
-        return float(given)
-    except (TypeError, ValueError, OverflowError):
-        raise ValueRangeError(where, f"has {what} {given!r}, must be a number") from None

@@ -44,17 +44,59 @@ def finite(given: Any, where: str) -> float:
     return number
 
 
-def density_factor(given: Any) -> float:
-    """Return a factor of extinctions.
+def not_negative(given: Any, where: str) -> float:
+    """Return a finite number of at least 0.
 
     Raises
     ------
     ValueRangeError
-        When it is no finite number of at least 0.
+        When it is none.
     """
-    if isinstance(given, (str, bytes, bool)) or np.ndim(given) or not (np.isreal(given) and np.isfinite(given) and given >= 0):
-        raise ValueRangeError("density", f"is {given!r}, must be at least 0")
-    return float(given)
+    number = finite(given, where)
+    if number < 0:
+        raise ValueRangeError(where, f"is {given!r}, must be at least 0")
+    return number
+
+
+def positive(given: Any, where: str) -> float:
+    """Return a finite number above 0.
+
+    Raises
+    ------
+    ValueRangeError
+        When it is none.
+    """
+    number = finite(given, where)
+    if number <= 0:
+        raise ValueRangeError(where, f"is {given!r}, must be above 0")
+    return number
+
+
+def share(given: Any, where: str) -> float:
+    """Return a number in [0, 1].
+
+    Raises
+    ------
+    ValueRangeError
+        When it is none.
+    """
+    number = finite(given, where)
+    if not 0 <= number <= 1:
+        raise ValueRangeError(where, f"is {given!r}, must lie in [0, 1]")
+    return number
+
+
+def finite_numbers(given: Any, where: str, *counts: int) -> tuple[float, ...]:
+    """Return finite numbers, as many as one of the counts.
+
+    Raises
+    ------
+    ValueRangeError
+        When they are others; it names the first at fault.
+    """
+    if not isinstance(given, (tuple, list, np.ndarray)) or len(given) not in counts:
+        raise ValueRangeError(where, f"is {given!r}", f"give {' or '.join(map(str, counts))} numbers")
+    return tuple(finite(part, f"{where}[{number}]") for number, part in enumerate(given))
 
 
 def whole(given: Any, where: str, least: int, most: int | None = None, remedy: str = "") -> int:
@@ -100,3 +142,9 @@ def flag(given: Any, where: str) -> bool:
     if not isinstance(given, (bool, np.bool_)):
         raise ValueRangeError(where, f"is {given!r}, must be true or false")
     return bool(given)
+
+
+def set_fields(frozen: object, **values: object) -> None:
+    """Set checked fields of a value that is being made."""
+    for name, value in values.items():
+        object.__setattr__(frozen, name, value)

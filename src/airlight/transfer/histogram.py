@@ -1,8 +1,7 @@
-"""Joint histograms of a volume: where its samples lie in the plane, or the space, of two or three variables."""
+"""Joint histograms of a volume: where its samples lie along, in the plane or in the space of one, two or three variables."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,9 +13,10 @@ import numpy.typing as npt
 from ..errors import FileError, ValueRangeError
 from ..volume import FloatArray, Volume
 from .derivatives import Piece, piece, places
-from .joint_axes import VARIABLES, Axis, check_axes, check_variable
+from .joint_axes import VARIABLES, Axis, channel_of, check_axes, check_variable
 
 if TYPE_CHECKING:
+    from .function import TransferFunction
     from .joint import JointFunction
 
 Progress = Callable[[str, int, int], None]
@@ -25,18 +25,18 @@ PERCENTILES = (0.01, 99.99)
 SAMPLES_FOR_AXES = 1 << 23
 SAMPLES_FOR_QUANTUM = 1 << 18
 LEAST_MULTIPLES, MOST_MULTIPLES = 16, 8192
-BINS = {2: 256, 3: 64}
-MOST_BINS = {2: 4096, 3: 512}
+BINS = {1: 256, 2: 256, 3: 64}
+MOST_BINS = {1: 4096, 2: 4096, 3: 512}
 
 
 @dataclass(frozen=True, eq=False)
 class JointHistogram:
-    """Counts of samples by two or three variables.
+    """Counts of samples by one, two or three variables.
 
     Attributes
     ----------
     counts
-        ``(n, n)`` or ``(n, n, n)`` int64; the last axis is the first variable's, as in tables of `JointFunction`.
+        ``(n,)``, ``(n, n)`` or ``(n, n, n)`` int64; the last axis is the first variable's, as in tables of `JointFunction`.
     axes
         The variables; bins divide each from low to high evenly.
     outside
@@ -68,6 +68,8 @@ class JointHistogram:
         One axis runs to the right, the other upward: the first row is its highest bin. A third one is summed over.
         """
         k = len(self.axes)
+        if k == 1:
+            raise ValueRangeError("image", "is of two variables, and the histogram has one", "use picture")
         if {first, second} - set(range(k)) or first == second:
             raise ValueRangeError("image", f"is of axes {first} and {second}", f"choose two different ones of 0 to {k - 1}")
         counts = self.counts.T
@@ -76,24 +78,34 @@ class JointHistogram:
         shade = np.log1p(upward[::-1].astype(np.float64))
         return np.asarray(np.rint(255 * shade / max(float(shade.max()), 1e-300)), dtype=np.uint8)
 
-    def picture(self, function: JointFunction | None = None) -> npt.NDArray[np.uint8]:
+    def picture(self, function: JointFunction | TransferFunction | None = None) -> npt.NDArray[np.uint8]:
         """Picture ``(h, w, 3)``, sRGB: counts on a logarithmic scale by the first two variables, with labelled axes.
 
         Parameters
         ----------
         function
-            Its shapes are drawn over the counts, each in its colour, as strong as its weight.
+            Its shapes are drawn over the counts, each in its colour, as strong as its weight. With one variable: a
+            `TransferFunction`, whose extinction is drawn in its colours.
 
         Raises
         ------
         ValueRangeError
             When the function looks at other variables.
         """
+        from .function import TransferFunction
+
+        if (len(self.axes) == 1) != isinstance(function, TransferFunction) and function is not None:
+            what = f"is a {type(function).__name__}, the histogram has {len(self.axes)} variables"
+            raise ValueRangeError("function", what, "count the function's variables")
+        if len(self.axes) == 1:
+            from .function_picture import count_picture
+
+            return count_picture(self, function)  # type: ignore[arg-type]
         from .histogram_picture import picture
 
-        return picture(self, function)
+        return picture(self, function)  # type: ignore[arg-type]
 
-    def save(self, path: str | Path, function: JointFunction | None = None) -> None:
+    def save(self, path: str | Path, function: JointFunction | TransferFunction | None = None) -> None:
         """Write the ``picture`` to a PNG file.
 
         Raises
@@ -112,11 +124,9 @@ class JointHistogram:
             raise FileError(str(path), f"cannot be written ({error.strerror or error})") from error
 
     def _repr_png_(self) -> bytes:
-        from PIL import Image
+        from .histogram_picture import png
 
-        out = io.BytesIO()
-        Image.fromarray(self.picture()).save(out, "png")
-        return out.getvalue()
+        return png(self.picture())
 
 
 def joint_histogram(
@@ -129,7 +139,7 @@ def joint_histogram(
     *,
     percentiles: tuple[float, float] = PERCENTILES,
 ) -> JointHistogram:
-    """Count the samples of a volume by two or three variables; empty samples stay out.
+    """Count the samples of a volume by one, two or three variables; empty samples stay out.
 
     Memory is bounded: a few slices at a time are looked at. Derivatives are those of ``airlight.transfer.derivatives``.
 
@@ -138,10 +148,10 @@ def joint_histogram(
     volume, channel, time
         Whose samples; ``"value"``, ``"gradient"`` and ``"second"`` are those of ``channel``.
     variables
-        Two or three of ``"value"``, ``"gradient"``, ``"second"`` and channels by number or name (see `Axis`); an `Axis`
+        One to three of ``"value"``, ``"gradient"``, ``"second"`` and channels by number or name (see `Axis`); an `Axis`
         instead chooses the stretch, too.
     bins
-        Number of bins along each axis, 2 to 4096, or 512 for three variables; 256 and 64 when left out.
+        Number of bins along each axis, 2 to 4096, or 512 for three variables; 256, or 64, when left out.
     progress
         Called with ``("histogram", done, total)``.
     percentiles
@@ -159,14 +169,17 @@ def joint_histogram(
     """
     named = [v.variable if isinstance(v, Axis) else check_variable(v, f"variables[{i}]") for i, v in enumerate(variables)]
     if len(named) not in BINS:
-        raise ValueRangeError("variables", f"are {named}", "give two or three")
+        raise ValueRangeError("variables", f"are {named}", "give one, two or three")
+    for number, variable in enumerate(named):
+        if variable not in VARIABLES:
+            channel_of(variable, volume, f"variables[{number}]")
     n = BINS[len(named)] if bins is None else bins
     if not 2 <= n <= MOST_BINS[len(named)]:
         raise ValueRangeError("bins", f"is {n}, must lie in [2, {MOST_BINS[len(named)]}] for {len(named)} variables")
     if not 0 <= percentiles[0] < percentiles[1] <= 100:
         raise ValueRangeError("percentiles", f"are {percentiles}, must rise within [0, 100]")
     source = Samples(volume, tuple(named), volume.channel_index(channel), time)
-    axes = check_axes(v if isinstance(v, Axis) else source.axis(i, n, percentiles) for i, v in enumerate(variables))
+    axes = check_axes((v if isinstance(v, Axis) else source.axis(i, n, percentiles) for i, v in enumerate(variables)), least=1)
     counts = np.zeros(n ** len(axes), dtype=np.int64)
     total = within = 0
     for samples in source.batches(1, progress):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from typing import TYPE_CHECKING
 
@@ -33,9 +34,15 @@ WORDS = {"value": "value", "gradient": "gradient", "second": "second derivative"
 
 def picture(histogram: JointHistogram, function: JointFunction | None = None) -> Picture:
     """Picture (h, w, 3), sRGB, of a histogram by its first two variables; see ``JointHistogram.picture``."""
+    across, upward = histogram.axes[:2]
+    return framed(_plot(histogram, function), (across, upward), (label(histogram, 0), label(histogram, 1)))
+
+
+def framed(plot: Picture, axes: tuple[Axis, Axis], labels: tuple[str, str]) -> Picture:
+    """Picture (h, w, 3) of a plot (SIDE_PX, SIDE_PX, 3) with labelled axes, the first to the right, the second upward."""
     from PIL import Image, ImageDraw, ImageFont
 
-    plot = _plot(histogram, function)
+    across, upward = axes
     size = LEFT_PX + SIDE_PX + RIGHT_PX, TOP_PX + SIDE_PX + BOTTOM_PX
     paper = Image.new("RGB", size, PAPER)
     paper.paste(Image.fromarray(plot), (LEFT_PX, TOP_PX))
@@ -43,7 +50,6 @@ def picture(histogram: JointHistogram, function: JointFunction | None = None) ->
     draw = ImageDraw.Draw(paper)
     below = TOP_PX + SIDE_PX
     draw.rectangle((LEFT_PX - 1, TOP_PX - 1, LEFT_PX + SIDE_PX, below), outline=INK)
-    across, upward = histogram.axes[:2]
     for value, text in ticks(across):
         x = LEFT_PX + round((value - across.low) / across.span * (SIDE_PX - 1))
         draw.line((x, below, x, below + TICK_PX), fill=INK)
@@ -52,12 +58,21 @@ def picture(histogram: JointHistogram, function: JointFunction | None = None) ->
         y = below - 1 - round((value - upward.low) / upward.span * (SIDE_PX - 1))
         draw.line((LEFT_PX - 1 - TICK_PX, y, LEFT_PX - 1, y), fill=INK)
         draw.text((LEFT_PX - TICK_PX - 5, y), text, fill=INK, font=font, anchor="rm")
-    draw.text((LEFT_PX + SIDE_PX / 2, size[1] - 8), label(histogram, 0), fill=INK, font=font, anchor="mb")
+    draw.text((LEFT_PX + SIDE_PX / 2, size[1] - 8), labels[0], fill=INK, font=font, anchor="mb")
     # Text that runs upward is drawn aside and turned.
     turned = Image.new("RGB", (SIDE_PX, TEXT_PX + 8), PAPER)
-    ImageDraw.Draw(turned).text((SIDE_PX / 2, 4), label(histogram, 1), fill=INK, font=font, anchor="mt")
+    ImageDraw.Draw(turned).text((SIDE_PX / 2, 4), labels[1], fill=INK, font=font, anchor="mt")
     paper.paste(turned.transpose(Image.Transpose.ROTATE_90), (2, TOP_PX))
     return np.asarray(paper)
+
+
+def png(drawn: Picture) -> bytes:
+    """A picture as a PNG file."""
+    from PIL import Image
+
+    out = io.BytesIO()
+    Image.fromarray(drawn).save(out, "png")
+    return out.getvalue()
 
 
 def label(histogram: JointHistogram, number: int) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from numbers import Integral
@@ -14,8 +14,9 @@ import numpy.typing as npt
 
 from ..errors import ValueRangeError
 from . import joint_saving, saving
+from .colour import check_colour
 from .function import FloatArray
-from .given import density_factor, flag, listed
+from .given import flag, listed, not_negative
 from .joint_axes import Axis, Ramp, check_axes
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ MOST_ENTRIES = {2: 2048, 3: 256}
 
 
 @dataclass(frozen=True)
-class JointFunction:
+class JointFunction(saving.Kept):
     """Colour and extinction by two or three variables: shapes on a joint histogram, and nothing outside of them.
 
     Where shapes overlap, several media share one place: their extinctions add, and so do their sources, so that the colour is
@@ -78,6 +79,10 @@ class JointFunction:
             raise ValueRangeError(where, f"is for {shape.dimensions[-1]} variables, the function has {k}")
         if shape.ramp is not None and shape.ramp.axis >= k:
             raise ValueRangeError(f"{where}.ramp.axis", f"is {shape.ramp.axis}, must be less than {k}")
+        if not self.associated:
+            check_colour(shape.colour, f"{where}.colour")
+            for number, (_, rgb) in enumerate(shape.ramp.points if shape.ramp else ()):
+                check_colour(rgb, f"{where}.ramp.points[{number}].colour")
         for axis, (low, high) in zip(self.axes, shape.bounds(self._spans), strict=True):
             allowance = 1e-9 * axis.span
             if (np.isfinite(low) and low < axis.low - allowance) or (np.isfinite(high) and high > axis.high + allowance):
@@ -176,7 +181,7 @@ class JointFunction:
 
     def scaled(self, density: float) -> JointFunction:
         """Return the function with extinctions (and associated colours) multiplied by ``density``."""
-        density = density_factor(density)
+        density = not_negative(density, "density")
         tint = density if self.associated else 1.0
         return JointFunction(self.axes, [_scaled(shape, density, tint) for shape in self.shapes], self.associated)
 
@@ -187,7 +192,7 @@ class JointFunction:
         return data | ({"associated": True} if self.associated else {})
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> JointFunction:
+    def from_dict(cls, data: Mapping[str, Any]) -> JointFunction:
         """Return the function that ``to_dict`` wrote.
 
         Raises
@@ -205,8 +210,7 @@ class JointFunction:
         shapes = [_made(shape_from_dict, s, f"transfer.shapes[{i}]") for i, s in enumerate(given["shapes"])]
         return cls(axes, shapes, associated=data.get("associated", False))
 
-    # Files and Python text, each in the module of its kind.
-    load, save, as_code = classmethod(saving.load), joint_saving.save, joint_saving.as_code
+    as_code = joint_saving.as_code
 
 
 @lru_cache(maxsize=4)

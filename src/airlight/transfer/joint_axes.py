@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ValueRangeError
+from ..errors import DataError, ValueRangeError
+from ..volume import Volume
 from .colour import Colour, linear_rgb
 from .function import FloatArray
-from .given import listed
+from .given import finite, listed, set_fields
 
 VARIABLES = ("value", "gradient", "second")
 
@@ -41,7 +42,7 @@ class Axis:
 
     def __post_init__(self) -> None:
         variable = check_variable(self.variable, "axis.variable")
-        low, high = (finite_number(end, f"axis {variable!r}") for end in (self.low, self.high))
+        low, high = (finite(end, f"axis {variable!r}") for end in (self.low, self.high))
         if not (high > low and high - low < np.finfo(np.float64).max):
             raise ValueRangeError(f"axis {variable!r}", f"reaches from {low:g} to {high:g}", "give high above low")
         set_fields(self, variable=variable, low=low, high=high)
@@ -80,7 +81,7 @@ class Ramp:
             where = f"ramp.points[{i}]"
             if not isinstance(point, (tuple, list)) or len(point) != 2:
                 raise ValueRangeError(where, f"is {point!r}", "give (coordinate, colour)")
-            points.append((finite_number(point[0], where), linear_rgb(point[1], f"{where}.colour")))
+            points.append((finite(point[0], where), linear_rgb(point[1], f"{where}.colour")))
         places = [c for c, _ in points]
         if len(points) < 2 or not (np.diff(places) > 0).all():
             raise ValueRangeError("ramp.points", f"have coordinates {places}", "give two or more, rising")
@@ -108,8 +109,27 @@ def check_variable(variable: Any, where: str) -> str | int:
     raise ValueRangeError(where, f"is {variable!r}", f"use {known}, or a channel's number or name")
 
 
-def check_axes(axes: Iterable[Axis]) -> tuple[Axis, ...]:
-    """Return the axes as a tuple where they are two or three of different variables.
+def channel_of(variable: str | int, volume: Volume, where: str) -> int:
+    """Number of the channel of a volume that a variable, none of ``"value"``, ``"gradient"`` and ``"second"``, stands for.
+
+    Raises
+    ------
+    DataError
+        When the volume has no such channel; it names all variables that there are.
+    """
+    try:
+        return volume.channel_index(variable)
+    except DataError:
+        count = volume.channel_count
+        known = f"{count} channels, 0 to {count - 1}" if count > 1 else "one channel, 0"
+        known += f" ({', '.join(volume.channel_names)})" if volume.channel_names else ""
+        found = f"is {variable!r}, which is no variable" if isinstance(variable, str) else f"is channel {variable}"
+        what = f"{found}; the volume has {known}"
+        raise DataError(where, what, "use value, gradient, second or one of its channels") from None
+
+
+def check_axes(axes: Iterable[Axis], least: int = 2) -> tuple[Axis, ...]:
+    """Return the axes as a tuple where they are ``least`` to three of different variables.
 
     Raises
     ------
@@ -121,26 +141,6 @@ def check_axes(axes: Iterable[Axis]) -> tuple[Axis, ...]:
         if not isinstance(axis, Axis):
             raise ValueRangeError(f"transfer.axes[{number}]", f"is {axis!r}", "pass an Axis(variable, low, high)")
     variables = [axis.variable for axis in checked]
-    if len(checked) not in (2, 3) or len(set(variables)) < len(variables):
+    if not least <= len(checked) <= 3 or len(set(variables)) < len(variables):
         raise ValueRangeError("transfer.axes", f"are of {variables}", "give two or three different variables")
     return checked
-
-
-def finite_number(value: Any, where: str) -> float:
-    """Return the value as a float where it is a finite number; else an error that names it."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)) or not np.isfinite(value):
-        raise ValueRangeError(where, f"is {value!r}, must be a finite number")
-    return float(value)
-
-
-def finite_numbers(values: Any, where: str, lengths: tuple[int, ...]) -> tuple[float, ...]:
-    """Return the values as floats where they are finite and as many as allowed; else an error that names them."""
-    if not isinstance(values, (tuple, list, np.ndarray)) or len(values) not in lengths:
-        raise ValueRangeError(where, f"is {values!r}", f"give {' or '.join(str(n) for n in lengths)} numbers")
-    return tuple(finite_number(v, f"{where}[{i}]") for i, v in enumerate(values))
-
-
-def set_fields(frozen: object, **values: object) -> None:
-    """Set checked fields of a value that is being made."""
-    for name, value in values.items():
-        object.__setattr__(frozen, name, value)

@@ -1,4 +1,4 @@
-"""Functions of several variables as Python text and in TOML files::
+"""Functions of several variables as Python text. In TOML files (see ``saving``) they look like this::
 
 # A transfer function of several variables: axes, and shapes on them; colours of linear light, extinctions per world unit.
 axes = [
@@ -16,20 +16,13 @@ extinction = 2.0
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from .joint_axes import Ramp
-from .saving import write_whole
 
 if TYPE_CHECKING:
     from .joint import JointFunction
     from .joint_shapes import Shape
-
-HEADER = (
-    "# A transfer function of several variables: axes, and shapes on them; colours of linear light, extinctions per world unit."
-)
 
 
 def as_code(function: JointFunction) -> str:
@@ -56,37 +49,6 @@ def as_code(function: JointFunction) -> str:
     return "\n".join([*lines, *(["    associated=True,"] if function.associated else []), ")"])
 
 
-def save(function: JointFunction, path: str | Path) -> None:
-    """Write the function to a TOML file, which appears whole or not at all; ``JointFunction.load`` reads an equal one.
-
-    Scene files hold the same text under ``[layers.transfer]``, and ``airlight render --tf FILE`` draws with it.
-
-    Raises
-    ------
-    FileError
-        When the file cannot be written.
-    """
-    lines = [HEADER, "axes = ["]
-    lines += [f"  {{ variable = {_text(a.variable)}, low = {a.low!r}, high = {a.high!r} }}," for a in function.axes]
-    lines += ["]", *(["associated = true"] if function.associated else [])]
-    if not function.shapes:
-        lines.append("shapes = []")
-    for shape in function.shapes:
-        lines += ["", "[[shapes]]", *(f"{name} = {_text(value)}" for name, value in shape.to_dict().items())]
-    write_whole(Path(path), "\n".join([*lines, ""]))
-
-
 def _shape_code(shape: Shape) -> str:
     fields = {n: f"al.joint.{v!r}" if isinstance(v, Ramp) else repr(v) for n, v in shape.chosen().items()}
     return f"al.joint.{type(shape).__name__}({', '.join(f'{name}={value}' for name, value in fields.items())})"
-
-
-def _text(value: Any) -> str:
-    """Numbers, words, lists and tables in TOML, on one line."""
-    if isinstance(value, dict):
-        return f"{{ {', '.join(f'{name} = {_text(part)}' for name, part in value.items())} }}"
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(_text(part) for part in value)}]"
-    if isinstance(value, str):  # as in JSON, whose pairs of escapes TOML does not have
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    return repr(value)

@@ -19,8 +19,8 @@ import numpy.typing as npt
 from ..errors import ValueRangeError
 from .colour import Colour, linear_rgb
 from .function import FloatArray
-from .given import listed
-from .joint_axes import Ramp, finite_number, finite_numbers, set_fields
+from .given import finite, finite_numbers, listed, not_negative, set_fields, share
+from .joint_axes import Ramp
 
 GAUSS_AT_RADIUS = float(np.exp(-4.5))
 """What a Gaussian has left at three standard deviations, which is where an ellipse ends."""
@@ -47,9 +47,7 @@ class Shape:
     kind: ClassVar[str]
 
     def __post_init__(self) -> None:
-        extinction = self._number("extinction")
-        if extinction < 0:
-            raise ValueRangeError(f"{self.kind}.extinction", f"is {extinction:g}, must be at least 0")
+        extinction = not_negative(self.extinction, f"{self.kind}.extinction")
         if self.ramp is not None and not isinstance(self.ramp, Ramp):
             raise ValueRangeError(f"{self.kind}.ramp", f"is {self.ramp!r}", "pass a Ramp")
         set_fields(self, colour=linear_rgb(self.colour, f"{self.kind}.colour"), extinction=extinction)
@@ -90,16 +88,13 @@ class Shape:
     # Checks of fields, which name the shape's kind and the field.
 
     def _number(self, name: str) -> float:
-        return finite_number(getattr(self, name), f"{self.kind}.{name}")
+        return finite(getattr(self, name), f"{self.kind}.{name}")
 
     def _share(self, name: str) -> float:
-        number = self._number(name)
-        if not 0 <= number <= 1:
-            raise ValueRangeError(f"{self.kind}.{name}", f"is {number:g}, must lie in [0, 1]")
-        return number
+        return share(getattr(self, name), f"{self.kind}.{name}")
 
     def _numbers(self, name: str, *lengths: int) -> tuple[float, ...]:
-        return finite_numbers(getattr(self, name), f"{self.kind}.{name}", lengths)
+        return finite_numbers(getattr(self, name), f"{self.kind}.{name}", *lengths)
 
     def _interval(self, name: str) -> tuple[float, float] | None:
         if getattr(self, name) is None:
@@ -328,7 +323,7 @@ class Polygon(Shape):
     def __post_init__(self) -> None:
         super().__post_init__()
         given = listed(self.vertices, "polygon.vertices", "give three or more (first, second)")
-        vertices = tuple(finite_numbers(v, f"polygon.vertices[{i}]", (2,)) for i, v in enumerate(given))
+        vertices = tuple(finite_numbers(v, f"polygon.vertices[{i}]", 2) for i, v in enumerate(given))
         if len(vertices) < 3 or not np.ptp(np.array(vertices), axis=0).all():
             raise ValueRangeError("polygon.vertices", f"are {vertices}", "give three or more, not on one line along an axis")
         set_fields(self, vertices=vertices, edge=self._share("edge"), third=self._interval("third"))

@@ -1,6 +1,6 @@
 """Transfer functions as plain data, as Python text and in TOML files::
 
-    # Control points of a transfer function: value, [red, green, blue] of linear light, extinction per world unit.
+    # A transfer function: value, [red, green, blue] of linear light, extinction per world unit of each control point.
     points = [
       [0.0, [0.0, 0.0, 0.0], 0.0],
       [300.0, [1.0, 0.6, 0.4], 0.02],
@@ -12,20 +12,27 @@ A file holds numbers and words for colours, never names of code. ``associated = 
 
 from __future__ import annotations
 
-import os
-import re
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
-from ..errors import FileError, ValueRangeError
+from ..errors import ValueRangeError
+from ..files import line_of, place_of, read_table, write_table
 
 if TYPE_CHECKING:
     from .function import TransferFunction
 
-HEADER = "# Control points of a transfer function: value, [red, green, blue] of linear light, extinction per world unit."
-POINT = re.compile(r"transfer\.points\[(\d+)\]")
-TOKEN = re.compile(r'#[^\n]*|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|[\[\]\n]')
+LINEAR = "colours of linear light, extinctions per world unit"
+TITLES = {
+    "points": ": value, [red, green, blue] of linear light, extinction per world unit of each control point",
+    "axes": f" of several variables: axes, and shapes on them; {LINEAR}",
+    "channels": f" of several channels: one for each; {LINEAR}",
+}
+"""What files begin with, by the first entry of each kind of function."""
+CLASSES = {"points": "TransferFunction", "axes": "JointFunction", "shapes": "JointFunction", "channels": "Channels"}
+"""Which class reads a file, by entries that the others do not have."""
 
 
 def as_code(function: TransferFunction) -> str:
@@ -53,76 +60,60 @@ def as_code(function: TransferFunction) -> str:
     return "\n".join([*lines, ")"])
 
 
-def save(function: TransferFunction, path: str | Path) -> None:
-    """Write the function to a TOML file, which appears whole or not at all; ``TransferFunction.load`` reads an equal one.
+class Kept(ABC):
+    """What the kinds of functions have in common: they go into TOML files and come out equal."""
 
-    Scene files hold the same text under ``[layers.transfer]``, and ``airlight render --tf FILE`` draws with it.
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, as scene files keep it."""
 
-    Raises
-    ------
-    FileError
-        When the file cannot be written.
-    """
-    import tomli_w
+    @classmethod
+    @abstractmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """Return the function that ``to_dict`` wrote."""
 
-    data = function.to_dict()
-    lines = [HEADER, "points = ["]
-    # Lists of finite numbers are written alike in Python and in TOML.
-    lines += [f"  {point!r}," for point in data.pop("points")]
-    write_whole(Path(path), "\n".join([*lines, "]", tomli_w.dumps(data)]))
+    def save(self, path: str | Path) -> None:
+        """Write the function to a TOML file, which appears whole or not at all; ``load`` reads an equal one.
 
+        Scene files hold the same text under ``[layers.transfer]``, and ``airlight render --tf FILE`` draws with it.
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file that appears whole or not at all.
+        Raises
+        ------
+        FileError
+            When the file cannot be written.
+        LimitError
+            When it would hold more than 32 MiB.
+        """
+        data = self.to_dict()
+        write_table(Path(path), data, f"A transfer function{TITLES[next(iter(data))]}.")
 
-    Raises
-    ------
-    FileError
-        When it cannot be written.
-    """
-    import secrets
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a function from a TOML file that `save` wrote, or a person.
 
-    # Not by airlight.io, which knows volumes only: the reference may not see it.
-    temporary = path.with_name(f".airlight-{secrets.token_hex(8)}.toml")
-    try:
-        temporary.write_text(text, encoding="utf-8")
-        os.replace(temporary, path)
-    except OSError as error:
-        raise FileError(str(path), f"cannot be written ({error.strerror})") from error
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-def load(cls: type[TransferFunction], path: str | Path) -> TransferFunction:
-    """Read a function from a TOML file that `save` wrote, or a person.
-
-    Raises
-    ------
-    FileError
-        When the file is missing or is no TOML; the message names the line.
-    ValueRangeError
-        When an entry is unknown or wrong; the message names file, line and entry.
-    """
-    import tomllib
-
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-        data = tomllib.loads(text)
-    except OSError as error:
-        raise FileError(str(path), f"cannot be read ({error.strerror})") from error
-    except (ValueError, RecursionError) as error:  # also what tomllib raises, with the line in it
-        raise FileError(str(path), f"is no sound TOML ({error})") from error
-    try:
-        return cls.from_dict(data)
-    except ValueRangeError as error:
-        found = POINT.match(error.where)
-        line = _line_of_point(text, int(found[1])) if found else None
-        place = f"{path}:{line}" if line else str(path)
-        raise ValueRangeError(f"{place}: {error.where}", error.what, error.remedy) from None
+        Raises
+        ------
+        FileError
+            When the file is missing or is no TOML; the message names the line.
+        LimitError
+            When it holds more than 32 MiB.
+        ValueRangeError
+            When an entry is unknown or wrong; the message names file, line and entry. When the file holds another kind of
+            function; it names the class that reads it.
+        """
+        data, text = read_table(Path(path))
+        right = next((name for entry, name in CLASSES.items() if entry in data), cls.__name__)
+        if right != cls.__name__:
+            raise ValueRangeError(str(path), f"holds a {right}", f"read it with airlight.{right}.load")
+        try:
+            return cls.from_dict(data)
+        except ValueRangeError as error:
+            line = line_of(text, place_of(error.where))
+            place = f"{path}:{line}" if line else str(path)
+            raise ValueRangeError(f"{place}: {error.where}", error.what, error.remedy) from None
 
 
-def check_data(data: dict[str, Any], known: tuple[str, ...]) -> None:
+def check_data(data: Mapping[str, Any], known: tuple[str, ...]) -> None:
     """Refuse plain data whose entries are unknown or of wrong types; what numbers may be is checked with the points.
 
     Raises
@@ -139,18 +130,3 @@ def check_data(data: dict[str, Any], known: tuple[str, ...]) -> None:
         raise ValueRangeError("transfer.surfaces", f"is {data['surfaces']!r}", 'write [{value = 1.0, colour = "red"}, ...]')
     if not isinstance(data.get("associated", False), bool):
         raise ValueRangeError("transfer.associated", f"is {data['associated']!r}, must be true or false")
-
-
-def _line_of_point(text: str, number: int) -> int | None:
-    """Line on which the point of a number begins: the brackets inside of ``points = [...]`` are counted."""
-    start = re.search(r"^[ \t]*points[ \t]*=", text, re.MULTILINE)
-    if start is None:
-        return None
-    depth, count = 0, -1
-    for token in TOKEN.finditer(text, start.end()):
-        depth += {"[": 1, "]": -1}.get(token[0], 0)
-        if token[0] == "[" and depth == 2:
-            count += 1
-            if count == number:
-                return text.count("\n", 0, token.start()) + 1
-    return None

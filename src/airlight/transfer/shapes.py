@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import ValueRangeError
 from .colour import Colour, linear_rgb
-from .given import finite, rising_range, whole
+from .given import finite, not_negative, positive, rising_range, whole
 from .polyline import points, sides, thinned, track, union, woven
 
 if TYPE_CHECKING:
@@ -48,8 +48,8 @@ def gaussian(
     >>> float(fat([-100])[1][0])
     0.2
     """
-    centre, sigma, extinction = _finite("gaussian", centre=centre, sigma=sigma, extinction=extinction)
-    _positive("gaussian", sigma=sigma)
+    centre, sigma = finite(centre, "transfer.gaussian.centre"), positive(sigma, "transfer.gaussian.sigma")
+    extinction = not_negative(extinction, "transfer.gaussian.extinction")
     x = np.linspace(0, REACH, 1024)
     height = np.exp(-(x**2) / 2)[:, None]
     height[-1] = 0.0
@@ -79,8 +79,7 @@ def box(
     ValueRangeError
         When ``high`` is not above ``low``, or another parameter is out of range.
     """
-    low, high, extinction = _finite("box", low=low, high=high, extinction=extinction)
-    _ordered("box", low, high)
+    (low, high), extinction = rising_range((low, high), "transfer.box"), not_negative(extinction, "transfer.box.extinction")
     return cls([(low, colour, 0.0), (low, colour, extinction), (high, colour, extinction), (high, colour, 0.0)])
 
 
@@ -105,9 +104,9 @@ def peak(
     ValueRangeError
         When ``width`` is not above 0, or another parameter is out of range.
     """
-    value, width, extinction = _finite("peak", value=value, width=width, extinction=extinction)
-    _positive("peak", width=width)
-    return cls([(value - width / 2, colour, 0.0), (value, colour, extinction), (value + width / 2, colour, 0.0)])
+    value, half = finite(value, "transfer.peak.value"), positive(width, "transfer.peak.width") / 2
+    extinction = not_negative(extinction, "transfer.peak.extinction")
+    return cls([(value - half, colour, 0.0), (value, colour, extinction), (value + half, colour, 0.0)])
 
 
 def step(cls: type[TransferFunction], value: float, colour: Colour = "white", extinction: float = 1.0) -> TransferFunction:
@@ -127,7 +126,7 @@ def step(cls: type[TransferFunction], value: float, colour: Colour = "white", ex
     ValueRangeError
         When a parameter is out of range.
     """
-    value, extinction = _finite("step", value=value, extinction=extinction)
+    value, extinction = finite(value, "transfer.step.value"), not_negative(extinction, "transfer.step.extinction")
     return cls([(value, colour, 0.0), (value, colour, extinction)])
 
 
@@ -157,8 +156,7 @@ def ramp(
     ValueRangeError
         When ``high`` is not above ``low``, or another parameter is out of range.
     """
-    low, high, extinction = _finite("ramp", low=low, high=high, extinction=extinction)
-    _ordered("ramp", low, high)
+    (low, high), extinction = rising_range((low, high), "transfer.ramp"), not_negative(extinction, "transfer.ramp.extinction")
     return cls([(low, colour if low_colour is None else low_colour, 0.0), (high, colour, extinction)])
 
 
@@ -199,7 +197,7 @@ def random(
         When a parameter is out of range, or ``base`` is an associated function.
     """
     low, high = rising_range(value_range, "transfer.random.value_range")
-    (extinction,) = _finite("random", extinction=extinction)
+    extinction = not_negative(extinction, "transfer.random.extinction")
     seed, entries = whole(seed, "transfer.random.seed", 0), whole(entries, "transfer.random.entries", 2, 65536)
     if not channels or set(channels) - set(CHANNELS):
         raise ValueRangeError("transfer.random.channels", f"is {channels!r}, must be letters of {CHANNELS}")
@@ -213,21 +211,3 @@ def random(
     chosen = [letter in channels for letter in CHANNELS]
     below, here = (np.where(chosen, sides(values, drawn, knots)[1], rows) for rows in sides(*steady, knots))
     return cls(points(*woven(knots, below, here)))
-
-
-def _finite(shape: str, **numbers: float) -> list[float]:
-    for name, number in numbers.items():
-        if finite(number, f"transfer.{shape}.{name}") < 0 and name == "extinction":
-            raise ValueRangeError(f"transfer.{shape}.{name}", f"is {number:g}, must be at least 0")
-    return [float(number) for number in numbers.values()]
-
-
-def _positive(shape: str, **numbers: float) -> None:
-    for name, number in numbers.items():
-        if number <= 0:
-            raise ValueRangeError(f"transfer.{shape}.{name}", f"is {number:g}, must be above 0")
-
-
-def _ordered(shape: str, low: float, high: float) -> None:
-    if high <= low:
-        raise ValueRangeError(f"transfer.{shape}", f"runs from {low:g} to {high:g}", "give a range that rises")

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import ValueRangeError
-from .colour import Colour, linear_rgb
-from .given import finite, listed, rising_range, whole
+from .colour import MOST_COLOUR, Colour, linear_rgb
+from .given import finite, listed, rising_range, set_fields, share, whole
 
 if TYPE_CHECKING:
     from .function import TransferFunction
@@ -56,17 +56,12 @@ class Surface:
     def __post_init__(self) -> None:
         """Check the values; colours become linear tuples."""
         where = "transfer.surface"
-        for name in ("value", "opacity", "back_opacity"):
-            given = getattr(self, name)
-            if given is None and name == "back_opacity":
-                continue
-            number = finite(given, f"{where}.{name}")
-            if name != "value" and not 0 <= number <= 1:
-                raise ValueRangeError(f"{where}.{name}", f"is {given}, must lie in [0, 1]")
-            object.__setattr__(self, name, number)
-        object.__setattr__(self, "colour", linear_rgb(self.colour, f"{where}.colour"))
+        set_fields(self, value=finite(self.value, f"{where}.value"), opacity=share(self.opacity, f"{where}.opacity"))
+        set_fields(self, colour=linear_rgb(self.colour, f"{where}.colour", MOST_COLOUR))
+        if self.back_opacity is not None:
+            set_fields(self, back_opacity=share(self.back_opacity, f"{where}.back_opacity"))
         if self.back_colour is not None:
-            object.__setattr__(self, "back_colour", linear_rgb(self.back_colour, f"{where}.back_colour"))
+            set_fields(self, back_colour=linear_rgb(self.back_colour, f"{where}.back_colour", MOST_COLOUR))
 
     @property
     def front(self) -> Side:

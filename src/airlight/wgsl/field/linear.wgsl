@@ -2,6 +2,7 @@
 
 import generated::linear::{grid, grid_sampler};
 import generated::layer::layer;
+import package::field::cell::cell_derivative;
 import package::ray::INFINITE;
 import generated::sizes::Values;
 
@@ -13,5 +14,7 @@ fn field_value(place: Place) -> Values {
   let p_unit = (place.p_index + 0.5) * layer.inverse_size;
   return textureSampleLevel(grid, grid_sampler, p_unit, 0.0).r * layer.value_scale + layer.value_offset;
 }
+
+fn field_derivative(place: Place) -> vec3f { return cell_derivative(place.p_index) * layer.value_scale; }
 
 fn extent(place: Place, direction: vec3f) -> f32 { return INFINITE; }

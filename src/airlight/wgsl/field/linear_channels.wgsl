@@ -17,7 +17,7 @@ fn field_value(place: Place) -> Values {
   for (var group = 0u; group < GROUPS; group++) {
     let z = (p.z + first_slice(group)) * params.slice;
     let texel = textureSampleLevel(grid, grid_sampler, vec3f(p.xy * layer.inverse_size.xy, z), 0.0);
-    values[group] = texel * layer.value_scale + layer.value_offset;
+    values[group] = texel * layer.channel_scale[group] + layer.channel_offset[group];
   }
   return values;
 }

@@ -2,6 +2,7 @@
 
 import generated::linear_exact::grid;
 import generated::layer::layer;
+import package::field::cell::cell_derivative;
 import package::ray::INFINITE;
 import generated::sizes::Values;
 
@@ -23,5 +24,7 @@ fn field_value(place: Place) -> Values {
 }
 
 fn voxel(x: i32, y: i32, z: i32) -> f32 { return textureLoad(grid, vec3i(x, y, z), 0).r; }
+
+fn field_derivative(place: Place) -> vec3f { return cell_derivative(place.p_index) * layer.value_scale; }
 
 fn extent(place: Place, direction: vec3f) -> f32 { return INFINITE; }

@@ -23,7 +23,7 @@ fn field_value(place: Place) -> Values {
     let x10 = mix(voxel(a.x, b.y, a.z + first), voxel(b.x, b.y, a.z + first), w.x);
     let x01 = mix(voxel(a.x, a.y, b.z + first), voxel(b.x, a.y, b.z + first), w.x);
     let x11 = mix(voxel(a.x, b.y, b.z + first), voxel(b.x, b.y, b.z + first), w.x);
-    values[group] = mix(mix(x00, x10, w.y), mix(x01, x11, w.y), w.z) * layer.value_scale + layer.value_offset;
+    values[group] = mix(mix(x00, x10, w.y), mix(x01, x11, w.y), w.z) * layer.channel_scale[group] + layer.channel_offset[group];
   }
   return values;
 }

@@ -15,7 +15,7 @@ fn field_value(place: Place) -> Values {
   var values: Values;
   for (var group = 0u; group < GROUPS; group++) {
     let texel = textureLoad(grid, vec3i(vec3f(voxel.xy, voxel.z + first_slice(group))), 0);
-    values[group] = texel * layer.value_scale + layer.value_offset;
+    values[group] = texel * layer.channel_scale[group] + layer.channel_offset[group];
   }
   return values;
 }

@@ -3,17 +3,17 @@
 import generated::blinn_phong::params;
 import generated::frame::frame;
 import generated::lights::lights;
-import package::lights::{arriving, Arriving};
+import package::lights::{arriving, surfaceness};
 import package::sample::{Sample, Lit};
 import slot::visibility::{visibility, ambient_visibility};
 
 fn light(here: Sample, normal: vec3f, to_eye: vec3f) -> Lit {
   var lit = Lit(vec3f(params.ambient * ambient_visibility(here.p_world)), vec3f(0.0));
-  let steepness = here.gradient * params.per_threshold;
-  if (dot(steepness, steepness) <= 1.0) { return lit; }
+  let surface = surfaceness(here.gradient, params.per_threshold);
+  if (surface <= 0.0) { return lit; }
   for (var i = 0u; i < frame.light_count; i++) {
     let from_light = arriving(lights[i], here.p_world, to_eye);
-    let radiance = from_light.rgb * visibility(i, here.p_world);
+    let radiance = surface * from_light.rgb * visibility(i, here.p_world);
     let n_l = facing(dot(normal, from_light.to_light));
     let n_h = facing(dot(normal, normalize(from_light.to_light + to_eye)));
     lit.diffuse += radiance * (params.diffuse * n_l);

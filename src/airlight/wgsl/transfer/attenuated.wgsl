@@ -1,7 +1,7 @@
 // A piece of a medium between two values, light attenuated on its way through it.
 
 import generated::transfer::{params, slabs, slabs_sampler, LAYERED, WEIGHTED};
-import package::optics::{make_slab, mean_transmittance, moved, placed, split};
+import package::optics::{make_slab, mean_transmittance, moved, split};
 import package::sample::Slab;
 import package::transfer::cells::Reached;
 import package::transfer::straight::{mean_between, lengths_of, with_ends};
@@ -10,12 +10,7 @@ import slot::lookup::layer_at;
 
 fn between(s_front: f32, front: Reached, s_back: f32, back: Reached, length: f32) -> Slab {
   let lengths = lengths_of(s_front, front, s_back, back, length);
-  var inside = slab_between(front, back, lengths.y);
-  if (WEIGHTED) {
-    let ends = vec2f(lengths.x, lengths.x + lengths.y) / max(length, 1e-30);
-    inside = placed(inside, ends.x, ends.y);
-  }
-  return with_ends(front, inside, back, lengths);
+  return with_ends(front, slab_between(front, back, lengths.y), back, lengths);
 }
 
 // The integral says mean source and extinction; the table, over (front, back), by how much attenuation shifts the source, and
@@ -30,7 +25,10 @@ fn slab_between(front: Reached, back: Reached, length: f32) -> Slab {
   let source = clamp(mean.rgb + shift, vec3f(0.0), mean.rgb / mean_transmittance(depth));
   let slab = make_slab(source, mean.a, length);
   if (!WEIGHTED) { return slab; }
-  return split(slab, kept_at(at, length, params.slab_lengths));
+  // The table tells of slabs of its own length; in shorter ones attenuation moves light by less.
+  let whole_depth = mean.a * max(length, params.slab_length);
+  let nearer = select(moved(whole_depth) - moved(depth), 0.0, LAYERED);
+  return split(slab, saturate(kept_at(at, length, params.slab_lengths) + nearer));
 }
 
 // The table at a length; its layers from `first` on are for equal parts of the whole length.

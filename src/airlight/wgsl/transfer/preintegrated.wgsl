@@ -1,9 +1,9 @@
-// The function integrated along the straight line between a slab's two values, each piece attenuated by those before it.
+// The function integrated along the straight line between a slab's two values; how light is attenuated inside is the stage's choice.
 
 import package::sample::{Sample, Medium, Slab};
-import package::transfer::attenuated::between;
 import package::transfer::cells::Reached;
 import package::transfer::function::{function_at, is_empty_between, reach, reach_empty};
+import slot::piece::between;
 
 alias Known = Reached;
 

@@ -1,13 +1,12 @@
-// Surfaces of equal value in a medium that is drawn by `preintegrated.wgsl`.
+// Surfaces of equal value in a medium that is drawn as in `preintegrated.wgsl`.
 
-import generated::sizes::Values;
 import package::optics::{over, placed};
 import package::sample::{Sample, Medium, Slab};
 import package::transfer::cells::Reached;
 import package::transfer::function::{function_at, is_empty_between, reach, reach_empty};
-import package::transfer::attenuated::between;
-import package::transfer::surfaces::{number_of, crossing_of, thickness_of, centre_of};
+import package::transfer::surfaces::{number_of, crossing_of, thickness_of};
 import package::transfer::surfaces_in_medium::{reach_surface, run_of, share_of_opacity};
+import slot::piece::between;
 import slot::values::scalar_of;
 
 struct Known { reached: Reached, number: u32 }
@@ -43,8 +42,6 @@ fn classify_known(front: Sample, front_known: Known, back: Sample, back_known: K
   return slab;
 }
 
-fn lit_share(front: Sample, back: Sample, slab: Slab) -> f32 { return centre_of(slab); }
-
-fn opacity_share(front: Values, back: Values, length: f32, alpha: f32, wanted: f32) -> f32 {
-  return share_of_opacity(scalar_of(front), scalar_of(back), length, wanted);
+fn opacity_share(front: Sample, back: Sample, length: f32, alpha: f32, wanted: f32) -> f32 {
+  return share_of_opacity(scalar_of(front.value), scalar_of(back.value), length, thickness_of(front, back, length), wanted);
 }

@@ -26,11 +26,12 @@ fn homogeneous(medium: vec4f, length: f32) -> Slab { return make_slab(medium.rgb
 
 // The slab within the axis between those beyond its ends, which mostly hold nothing.
 fn with_ends(front: Reached, inside: Slab, back: Reached, lengths: vec3f) -> Slab {
-  if (!OPEN_ENDS) { return inside; }
   let ends = vec2f(lengths.x, lengths.x + lengths.y) / max(lengths.x + lengths.y + lengths.z, 1e-30);
+  let within = placed(inside, ends.x, ends.y);
+  if (!OPEN_ENDS) { return within; }
   let before = placed(homogeneous(front.here, lengths.x), 0.0, ends.x);
   let after = placed(homogeneous(back.here, lengths.z), ends.y, 1.0);
-  return over(before, over(placed(inside, ends.x, ends.y), after));
+  return over(before, over(within, after));
 }
 
 // Mean source and extinction [1/world] of one function, of what lies beyond its ends, too.

@@ -67,8 +67,3 @@ fn thinned(slab: Slab, alpha: f32) -> Slab {
   let f = alpha / max(slab.alpha, 1e-30);
   return Slab(slab.front_rgb * f, slab.front_specular * f, slab.back_rgb * f, slab.back_specular * f, alpha);
 }
-
-// A slab is lit where its opacity lies.
-fn centre_of(slab: Slab) -> f32 {
-  return select(0.5, saturate(slab.back_specular / slab.alpha), slab.alpha > 0.0);
-}

@@ -1,10 +1,9 @@
 // Surfaces of equal value with nothing between them: a slab is told by the two numbers of its ends.
 
-import generated::sizes::Values;
 import package::sample::{Sample, Medium, Slab};
 import package::transfer::function::{function_at, is_empty_between};
 import package::transfer::surfaces::{number_of, crossing_of, step_on, light_at, moment_at, crossed};
-import package::transfer::surfaces::{thickness_of, thicker, thinned, centre_of};
+import package::transfer::surfaces::{thickness_of, thicker, thinned};
 import slot::values::scalar_of;
 
 struct Known { number: u32 }
@@ -27,21 +26,21 @@ fn classify_known(front: Sample, front_known: Known, back: Sample, back_known: K
   return thinned(slab, 1.0 - thicker(1.0 - slab.alpha, thickness_of(front, back, length)));
 }
 
-fn lit_share(front: Sample, back: Sample, slab: Slab) -> f32 { return centre_of(slab); }
-
 // At the first surface behind which there is enough; the run is halved until it is found.
-fn opacity_share(front: Values, back: Values, length: f32, alpha: f32, wanted: f32) -> f32 {
-  let from_number = number_of(scalar_of(front));
-  let to_number = number_of(scalar_of(back));
+fn opacity_share(front: Sample, back: Sample, length: f32, alpha: f32, wanted: f32) -> f32 {
+  let s_front = scalar_of(front.value);
+  let thickness = thickness_of(front, back, length);
+  let from_number = number_of(s_front);
+  let to_number = number_of(scalar_of(back.value));
   let rises = to_number > from_number;
   var low = 1u;
   var high = max(select(from_number - to_number, to_number - from_number, rises), 1u);
   while (low < high) {
     let middle = (low + high) / 2u;
-    let crossing = crossing_of(scalar_of(front), from_number, scalar_of(back), step_on(from_number, middle, rises));
-    let enough = light_at(crossing, 0u).a >= wanted;
+    let crossing = crossing_of(s_front, from_number, scalar_of(back.value), step_on(from_number, middle, rises));
+    let enough = 1.0 - thicker(1.0 - light_at(crossing, 0u).a, thickness) >= wanted;
     low = select(middle + 1u, low, enough);
     high = select(high, middle, enough);
   }
-  return crossing_of(scalar_of(front), from_number, scalar_of(back), step_on(from_number, low, rises)).last;
+  return crossing_of(s_front, from_number, scalar_of(back.value), step_on(from_number, low, rises)).last;
 }

@@ -34,7 +34,7 @@ fn depth_between(s_from: f32, from_known: Reached, s_to: f32, to_known: Reached,
 }
 
 // Share of a slab at which its opacity reaches a wanted one: at a surface, or in a piece of the medium, which is homogeneous.
-fn share_of_opacity(s_front: f32, s_back: f32, length: f32, wanted: f32) -> f32 {
+fn share_of_opacity(s_front: f32, s_back: f32, length: f32, thickness: f32, wanted: f32) -> f32 {
   let front = number_of(s_front);
   let back = number_of(s_back);
   let rises = back > front;
@@ -53,7 +53,8 @@ fn share_of_opacity(s_front: f32, s_back: f32, length: f32, wanted: f32) -> f32 
   var high = count;
   while (low < high) {
     let middle = (low + high) / 2u;
-    let enough = near + depth_behind(crossing_of(s_front, front, s_back, step_on(front, middle + 1u, rises)), length) >= target_depth;
+    let next = crossing_of(s_front, front, s_back, step_on(front, middle + 1u, rises));
+    let enough = near + depth_behind(next, length, thickness) >= target_depth;
     low = select(middle + 1u, low, enough);
     high = select(high, middle, enough);
   }
@@ -63,7 +64,7 @@ fn share_of_opacity(s_front: f32, s_back: f32, length: f32, wanted: f32) -> f32 
   if (low > 0u) {
     let last = crossing_of(s_front, front, s_back, step_on(front, low, rises));
     begin = last.last;
-    before = near + depth_behind(last, length);
+    before = near + depth_behind(last, length, thickness);
   }
   var end = 1.0;
   var piece = 0.0;
@@ -75,14 +76,19 @@ fn share_of_opacity(s_front: f32, s_back: f32, length: f32, wanted: f32) -> f32 
     end = next.last;
     let medium_only = near + next.mean_extinction * (next.last - next.first) * length;
     piece = medium_only - before;
-    if (low > 0u) { piece += depth_of(light_at(crossing_of(s_front, front, s_back, step_on(front, low, rises)), 0u).a); }
+    if (low > 0u) { piece += depth_of_surfaces(crossing_of(s_front, front, s_back, step_on(front, low, rises)), thickness); }
   }
   return begin + (end - begin) * saturate((target_depth - before) / max(piece, 1e-30));
 }
 
 fn depth_of(alpha: f32) -> f32 { return -log(max(1.0 - alpha, 1e-30)); }
 
+fn depth_of_surfaces(crossing: Crossing, thickness: f32) -> f32 {
+  return depth_of(1.0 - thicker(1.0 - light_at(crossing, 0u).a, thickness));
+}
+
 // Optical depth from the front-most surface to behind the hindmost.
-fn depth_behind(crossing: Crossing, length: f32) -> f32 {
-  return crossing.mean_extinction * (crossing.last - crossing.first) * length + depth_of(light_at(crossing, 0u).a);
+fn depth_behind(crossing: Crossing, length: f32, thickness: f32) -> f32 {
+  let medium = crossing.mean_extinction * (crossing.last - crossing.first) * length;
+  return medium + depth_of_surfaces(crossing, thickness);
 }

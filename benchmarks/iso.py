@@ -1,0 +1,237 @@
+"""Iso-surfaces at large steps: where rays hit them, what sharper hits cost, and what blocks of voxels are worth.
+
+*hits*: a sphere, a torus and the field of Marschner and Lobb at 5-voxel steps. Errors are distances along the ray to the
+nearest root of the reconstructed (trilinear) field, in voxels, of all rays that meet the surface at more than 2 degrees; the
+truth is computed in float64 with eigenvalues of the cubics along rays. *refining*: the time of frames relative to those without
+refinement. *steps*: bone of the CT head at steps of 5 voxels in blocks against 1.0 and 0.5 without blocks (a plain march with
+the same refinement) and with them: structural similarity (SSIM, Wang et al. 2004) and speed.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from common import arguments, machine, ratio, side_by_side, table, write_json
+from volumes import cropped, real_volume
+
+import airlight as al
+from airlight.gpu.device import Device, open_device
+from airlight.reference import prepare as prepare_reference
+from airlight.reference.camera import CAMERAS
+from airlight.reference.field import field_value
+from airlight.reference.march import span
+from airlight.reference.refine import crossings
+from airlight.rendering.frame import Request, prepare
+from airlight.rendering.march import MarchFrame, draw_march
+
+STEP = 5.0
+GRAZING_DEG = 2.0
+LIMITS = {"bisection": STEP / 64, "secant": 1e-2, "exact": 1e-3}
+MOST_COST = 1.25
+LEAST_SSIM = 0.98
+LEAST_SPEED = {1.0: 2.8, 0.5: 5.0}
+BONE = 300.0  # HU
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Measure, print, write; 1 when a bar is missed."""
+    parser = arguments(__doc__, "iso", repeats=7)
+    parser.add_argument("--size", type=int, default=512, help="width and height of the picture (default: 512)")
+    parser.add_argument("--device", default=None, help="adapter, by number, kind or part of its name")
+    parser.add_argument("--clock", choices=("wall", "cpu"), default="cpu", help="what decides: cpu where others are busy")
+    options = parser.parse_args(argv)
+    if options.quick:
+        options.size, options.repeats = 64, 1
+    device = open_device(options.device)
+    try:
+        about = machine(device) | {"quick": options.quick, "size": options.size, "clock": options.clock}
+        hits = [row for name, scene in analytic_scenes().items() for row in hit_errors(device, name, scene, options)]
+        print(table(hits))
+        head = real_volume("ct_head")
+        head = cropped(head, 48) if options.quick else head
+        costs = [row for view in ("left", "top") for row in refining(device, head, view, options)]
+        print("\n" + table(costs))
+        steps = [row for view in ("front", "left", "top", "iso") for row in larger_steps(device, head, view, options)]
+        print("\n" + table(steps))
+    finally:
+        device.close()
+    passed = {
+        "hits": all(row["worst [voxel]"] <= row["limit"] for row in hits),
+        "refining": all(row["to none"] <= MOST_COST for row in costs),
+        "ssim": all(row["SSIM"] >= LEAST_SSIM for row in steps),
+        "speed": all(row["speed"] >= LEAST_SPEED[row["against"]] for row in steps if row["blocks"] == "no"),
+    }
+    print("\n" + ", ".join(f"{name}: {'PASS' if good else 'FAIL'}" for name, good in passed.items()))
+    write_json(options.out, about | {"hits": hits, "refining": costs, "steps": steps, "passed": passed})
+    return 0 if all(passed.values()) or options.quick else 1
+
+
+def analytic_scenes(voxels: int = 64) -> dict[str, al.Scene]:
+    """Distance fields of a sphere and a torus, and the test signal of Marschner and Lobb, seen from a corner."""
+    z, y, x = np.mgrid[-1 : 1 : voxels * 1j, -1 : 1 : voxels * 1j, -1 : 1 : voxels * 1j]
+    around = np.hypot(x, y) - 0.55
+    fields = {
+        "sphere": (al.Volume((0.8 - np.sqrt(x * x + y * y + z * z)).astype(np.float32)), 0.0),
+        "torus": (al.Volume((0.3 - np.sqrt(around * around + z * z)).astype(np.float32)), 0.0),
+        "marschner-lobb": (al.samples.load("marschner-lobb"), 0.5),
+    }
+    return {name: iso_scene(volume, iso, "iso", field="linear_exact") for name, (volume, iso) in fields.items()}
+
+
+def iso_scene(volume: al.Volume, iso: float, view: str, zoom: float = 1.0, **look: Any) -> al.Scene:
+    """Scene of one surface; ``zoom`` narrows the angle of the camera."""
+    known = al.statistics(volume)
+    tf = al.TransferFunction([(float(known.minimum), (0.9, 0.8, 0.65), 0.0), (float(known.maximum), (0.9, 0.8, 0.65), 1.0)])
+    camera = al.fit_camera(view, volume.corners_world(), 1.0)
+    camera = replace(camera, fov_deg=camera.fov_deg * zoom)
+    drawn = al.Look(integrate=al.integrate.FirstHit(iso=iso), **look)
+    return al.Scene(volume, transfer=tf, camera=camera, look=drawn, background=(0, 0, 0))
+
+
+def frame_of(device: Device, scene: al.Scene, size: int, step: float, **driver: Any) -> MarchFrame:
+    """Frame that can be drawn again and again."""
+    request = Request((size, size), al.driver.March(**driver), step)
+    return prepare(device, scene, request, lambda: None, lambda *_: None)
+
+
+# -- hits
+
+
+def hit_errors(device: Device, name: str, scene: al.Scene, options: Any) -> list[dict[str, Any]]:
+    """Greatest distance of hits from the nearest root along the ray, for each refinement."""
+    size = min(options.size, 256)
+    rows = []
+    for refine in ("none", *LIMITS):
+        depth = draw_march(frame_of(device, scene, size, STEP, refine=refine))[1]
+        error, degrees, begins_outside = distances(scene, depth)
+        error = error[(degrees > GRAZING_DEG) & begins_outside]
+        rows.append(
+            {
+                "field": name,
+                "refine": refine,
+                "rays": int(error.size),
+                "mean [voxel]": float(error.mean()),
+                "worst [voxel]": float(error.max()),
+                "limit": LIMITS.get(refine, float("inf")),
+            }
+        )
+    return rows
+
+
+def distances(scene: al.Scene, depth: np.ndarray[Any, Any]) -> tuple[Any, Any, Any]:
+    """Distance of hits from the nearest root of the field along their rays [voxel], angles there [degree], who has a root.
+
+    A ray that begins at values beyond the surface hits the border of the volume.
+    """
+    setup = prepare_reference(scene)
+    voxel = setup.spacing_world
+    y, x = np.nonzero(np.isfinite(depth))
+    t_hit = depth[y, x].astype(np.float64)
+    origin, direction = CAMERAS[scene.camera.name](scene.camera, depth.shape[::-1], x, y)
+    line = setup.index_of(origin), direction @ setup.layer.volume.index_from_world[:3, :3].T
+    iso = scene.layers[0].look.integrate.iso
+
+    def field(rows: Any, t_world: Any) -> Any:
+        return field_value(setup, line[0][rows] + t_world[:, None] * line[1][rows])[0]
+
+    def first(sign: int) -> Any:
+        """First root before or behind the hit, as a distance from it."""
+        ends = np.stack([np.zeros_like(t_hit), np.full_like(t_hit, STEP * voxel)], axis=1)
+        turned = line[0] + t_hit[:, None] * line[1], sign * line[1]
+
+        def along(rows: Any, t_world: Any) -> Any:
+            return field(rows, t_hit[rows] + sign * t_world)
+
+        return crossings(along, turned, ends, iso)
+
+    both = np.stack([first(-1), first(1)])
+    error = both.min(axis=0)
+    t_root = t_hit + np.where(both[0] < both[1], -error, error)
+    # The gradient of the reconstruction there, by differences inside of a voxel.
+    h = 1e-6 * voxel
+    place = line[0] + np.where(np.isfinite(t_root), t_root, t_hit)[:, None] * line[1]
+    slope = [
+        (field_value(setup, place + h * axis)[0] - field_value(setup, place - h * axis)[0]) / (2 * h) for axis in np.eye(3)
+    ]
+    gradient = np.stack(slope, axis=1) @ setup.layer.volume.index_from_world[:3, :3]
+    cosine = np.abs((gradient * direction).sum(axis=1)) / np.maximum(np.linalg.norm(gradient, axis=1), 1e-30)
+    begins_outside = t_hit > span(setup, origin, direction)[0] + 1e-3 * voxel
+    return error / voxel, np.degrees(np.arcsin(np.clip(cosine, 0, 1))), begins_outside
+
+
+# -- time
+
+
+def refining(device: Device, head: al.Volume, view: str, options: Any) -> list[dict[str, Any]]:
+    """Time of each refinement relative to none, at the same step and with the same blocks."""
+    scene = iso_scene(head, BONE, view, zoom=0.6)
+    rows = []
+    for blocks in (True, False):
+        frames = {r: frame_of(device, scene, options.size, STEP, refine=r, blocks=blocks) for r in ("none", *LIMITS)}
+        measured = side_by_side({n: (lambda f=f: draw_march(f)) for n, f in frames.items()}, options.repeats, warm=2)
+        for name in LIMITS:
+            one, other = (getattr(measured[n], options.clock) for n in (name, "none"))
+            rows.append(
+                {
+                    "view": view,
+                    "blocks": "yes" if blocks else "no",
+                    "refine": name,
+                    f"ms {options.clock}": 1e3 * float(np.median(one)),
+                    "to none": ratio(one, other)["median"],
+                }
+            )
+    return rows
+
+
+def larger_steps(device: Device, head: al.Volume, view: str, options: Any) -> list[dict[str, Any]]:
+    """Steps of 5 voxels in blocks against smaller ones, with blocks and without."""
+    scene = iso_scene(head, BONE, view, zoom=0.6)
+    cases = {"5": (STEP, True)} | {f"{s} {b}": (s, b) for s in LEAST_SPEED for b in (False, True)}
+    frames = {name: frame_of(device, scene, options.size, step, blocks=blocks) for name, (step, blocks) in cases.items()}
+    measured = side_by_side({n: (lambda f=f: draw_march(f)) for n, f in frames.items()}, options.repeats, warm=2)
+    large, large_time = measured["5"].result, getattr(measured["5"], options.clock)
+    rows = []
+    for step in LEAST_SPEED:
+        for blocks in (False, True):
+            other = measured[f"{step} {blocks}"]
+            rows.append(
+                {
+                    "view": view,
+                    "against": step,
+                    "blocks": "yes" if blocks else "no",
+                    "samples": other.result[2] / large[2],
+                    f"ms at 5 {options.clock}": 1e3 * float(np.median(large_time)),
+                    "ms": 1e3 * float(np.median(getattr(other, options.clock))),
+                    "speed": ratio(getattr(other, options.clock), large_time)["median"],
+                    "SSIM": ssim(grey(large[0]), grey(other.result[0])),
+                }
+            )
+    return rows
+
+
+def grey(rgba: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Luminance of a picture as it is shown."""
+    return al.Image(rgba, rgba[..., 3], (0.0, 0.0, 0.0)).picture() @ np.array([0.2126, 0.7152, 0.0722]) / 255
+
+
+def ssim(one: np.ndarray[Any, Any], other: np.ndarray[Any, Any]) -> float:
+    """Structural similarity with a Gaussian window of 11 pixels (sigma 1.5), for a range of one (Wang et al. 2004)."""
+    window = np.exp(-(np.arange(-5, 6) ** 2) / (2 * 1.5**2))
+    window /= window.sum()
+
+    def mean(image: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+        for axis in (0, 1):
+            image = np.apply_along_axis(np.convolve, axis, image, window, "valid")
+        return image
+
+    a, b = mean(one), mean(other)
+    variance = mean(one * one) - a * a + mean(other * other) - b * b
+    both = mean(one * other) - a * b
+    return float(np.mean((2 * a * b + 1e-4) * (2 * both + 9e-4) / ((a * a + b * b + 1e-4) * (variance + 9e-4))))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

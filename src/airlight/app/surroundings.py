@@ -1,0 +1,66 @@
+"""``--environment`` and ``--background environment``, made into values."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+from ..environment import BUILT_IN, Environment
+from ..errors import ValueRangeError
+from ..scene import Layer, Scene
+from ..stages.environment import Environment as EnvironmentLight
+from .parse import assignments, renamed
+
+BACKGROUND = "environment"
+
+
+def parse_environment(text: str, turn_deg: float | None) -> Environment:
+    """Environment of ``studio``, ``sky:turbidity=4,to_sun=[1,-1,1]`` or the name of a picture, turned about the vertical."""
+    name, colon, rest = text.partition(":")
+    with renamed("--environment"):
+        if name in BUILT_IN:
+            values: dict[str, Any] = assignments(rest, "--environment") if colon else {}
+            found = Environment.from_dict({"kind": name} | values)
+        else:
+            found = Environment.open(text)
+        return found if turn_deg is None else found.turned(math.radians(turn_deg))
+
+
+def environment_of(option: str | None, turn_deg: float | None) -> Environment | None:
+    """Environment that is asked for; None where none is.
+
+    Raises
+    ------
+    ValueRangeError
+        For a turn without an environment.
+    """
+    if option is None and turn_deg is not None:
+        raise ValueRangeError("--environment-turn", "turns no environment", "give --environment")
+    return None if option is None else parse_environment(option, turn_deg)
+
+
+def lit_by(layer: Layer, environment: Environment | None, shade_given: bool) -> Layer:
+    """Return the layer lit by an environment; a stage of another kind that was asked for stays."""
+    shade = layer.look.shade
+    if environment is None or (shade_given and not isinstance(shade, EnvironmentLight)):
+        return layer
+    is_light = isinstance(shade, EnvironmentLight)
+    light = dataclasses.replace(shade, environment=environment) if is_light else EnvironmentLight(environment)  # type: ignore[type-var]
+    return dataclasses.replace(layer, look=dataclasses.replace(layer.look, shade=light))
+
+
+def seen_behind(scene: Scene, environment: Environment | None) -> Environment:
+    """Environment for ``--background environment``: the one that is asked for, else the one that lights the scene.
+
+    Raises
+    ------
+    ValueRangeError
+        When there is none.
+    """
+    if environment is not None:
+        return environment
+    for layer in scene.layers:
+        if isinstance(layer.look.shade, EnvironmentLight):
+            return layer.look.shade.environment
+    raise ValueRangeError("--background", "asks for an environment, and nothing is lit by one", "add --environment studio")

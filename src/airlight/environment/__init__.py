@@ -1,0 +1,7 @@
+"""Light from all directions: environments as values, their pictures, and the maps that surfaces are lit by."""
+
+from __future__ import annotations
+
+from .value import BUILT_IN, Environment
+
+__all__ = ["BUILT_IN", "Environment"]

@@ -1,0 +1,1 @@
+"""What the fields are made with on the host: weights of filters, coefficients of splines, pre-filtered levels."""

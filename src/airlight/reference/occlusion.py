@@ -1,0 +1,120 @@
+"""Ambient occlusion: the share of light from all directions that comes through the volume, on a coarse grid of cells."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..volume import FloatArray
+from .field import field_value, trilinear
+from .region import part_at
+from .setup import Sample, Setup
+from .shade import VISIBILITIES
+from .transfer import TRANSFERS
+
+LEAST_THROUGH = 1e-4
+
+
+def ambient_occlusion(setup: Setup, light_index: int | None, p_world: FloatArray) -> FloatArray:
+    """Openness (n, 3) at points; lights reach them all."""
+    if light_index is not None:
+        return np.ones_like(p_world)
+    if "openness" not in setup.once:
+        setup.once["openness"] = openness(setup)
+    p_cell = (setup.index_of(p_world) + 0.5) / block_of(setup) - 0.5
+    return np.repeat(trilinear(setup.once["openness"], p_cell)[:, None], 3, axis=1)
+
+
+def block_of(setup: Setup) -> FloatArray:
+    """Voxels (3,) of a cell along x, y and z: as many as make the cells of the longest side, and equally long in the world."""
+    volume = setup.layer.volume
+    size, spacing = np.array(volume.size, dtype=np.float64), np.array(volume.spacing)
+    longest = (size * spacing).max()
+    block: FloatArray = np.minimum(size, np.maximum(1.0, np.round(longest / (setup.stages["visibility"].cells * spacing))))
+    return block
+
+
+def cell_side(setup: Setup) -> float:
+    """Mean side of a cell [world]."""
+    return float(np.prod(block_of(setup) * setup.layer.volume.spacing) ** (1 / 3))
+
+
+def openness(setup: Setup) -> FloatArray:
+    """Openness of all cells: (z, y, x)."""
+    depth = occluders(setup)
+    z, y, x = np.indices(depth.shape).reshape(3, -1)
+    return seen_from(setup, depth, np.stack([x, y, z], axis=1).astype(np.float64)).reshape(depth.shape)
+
+
+@np.errstate(under="ignore")
+def seen_from(setup: Setup, depth: FloatArray, p_cell: FloatArray) -> FloatArray:
+    """Transmittance from points (n, 3), in cells, averaged over directions all round."""
+    stage, volume, side, block = setup.stages["visibility"], setup.layer.volume, cell_side(setup), block_of(setup)
+    sides = np.array(volume.size) * volume.spacing
+    radius = 0.15 * np.linalg.norm(sides) if stage.radius is None else stage.radius
+    # Walk in even steps of at most a side, from one side away up to the radius, and take the middle of each.
+    steps = max(1, math.ceil((radius - side) / side))
+    step = (radius - side) / steps
+    distances = side + (np.arange(steps) + 0.5) * step
+    beyond = np.array(volume.size) / block - 0.5
+    total = np.zeros(len(p_cell))
+    for direction in directions(stage.directions):
+        way = volume.index_from_world[:3, :3] @ direction / block
+        met = np.zeros(len(p_cell))
+        for distance in distances:
+            place = p_cell + distance * way
+            inside = ((place >= -0.5) & (place <= beyond)).all(axis=1)
+            met += np.where(inside, trilinear(depth, place), 0.0)
+        total += np.exp(-met * step / side)
+    return np.asarray(total / stage.directions)
+
+
+def directions(count: int) -> FloatArray:
+    """Unit vectors (count, 3) on a spiral over the sphere, turned by the golden angle from one to the next."""
+    number = np.arange(count)
+    z, turn = 1 - (2 * number + 1) / count, np.pi * (3 - np.sqrt(5)) * number
+    across = np.sqrt(1 - z * z)
+    return np.stack([across * np.cos(turn), across * np.sin(turn), z], axis=1)
+
+
+@np.errstate(under="ignore")
+def occluders(setup: Setup) -> FloatArray:
+    """Optical depth over a cell's side, (z, y, x), by the mean of what lets light through at its voxels."""
+    side = cell_side(setup)
+    opacity = -np.expm1(-voxel_extinction(setup) * side)
+    bx, by, bz = block_of(setup).astype(int)
+    counts = [-(-n // b) for n, b in zip(opacity.shape, (bz, by, bx), strict=True)]
+    padded = np.zeros([n * b for n, b in zip(counts, (bz, by, bx), strict=True)])
+    padded[tuple(slice(n) for n in opacity.shape)] = opacity
+    nz, ny, nx = counts
+    mean = padded.reshape(nz, bz, ny, by, nx, bx).mean(axis=(1, 3, 5))
+    return np.asarray(-np.log(np.maximum(1 - mean, LEAST_THROUGH)))
+
+
+def voxel_extinction(setup: Setup) -> FloatArray:
+    """Mean extinction (z, y, x) of the slabs from each voxel to its next neighbours, none where it is empty."""
+    volume = setup.layer.volume
+    nz, ny, nx = volume.size[::-1]
+    z, y, x = np.indices((nz, ny, nx)).reshape(3, -1)
+    voxels = np.stack([x, y, z], axis=1).astype(np.float64)
+    here = _sample(setup, voxels)
+    shown = part_at(setup, voxels)[1]
+    total = np.zeros(len(voxels))
+    for axis in range(3):
+        next_voxels = voxels.copy()
+        next_voxels[:, axis] = np.minimum(voxels[:, axis] + 1, volume.size[axis] - 1)
+        there = _sample(setup, next_voxels).where_empty_take(here)
+        length = volume.spacing[axis]
+        rows = np.nonzero(~here.empty)[0]
+        sent = TRANSFERS[setup.stages["transfer"].name](setup, here[rows], there[rows], length * shown[rows])
+        total[rows] -= np.log(np.maximum(1 - sent.alpha, 1e-7)) / length / 3
+    return total.reshape(nz, ny, nx)
+
+
+def _sample(setup: Setup, p_index: FloatArray) -> Sample:
+    matrix = setup.layer.volume.world_from_index
+    return Sample(*field_value(setup, p_index), p_index, p_index @ matrix[:3, :3].T + matrix[:3, 3], np.zeros(len(p_index)))
+
+
+VISIBILITIES["ambient_occlusion"] = ambient_occlusion

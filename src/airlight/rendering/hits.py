@@ -1,0 +1,120 @@
+"""What a march has found at surfaces, kept so that changed lights and materials need no other march."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import DataError, StageError
+from ..gpu import compute
+from ..scene import Scene
+from ..stages import tone as tones
+from .resources import bound_resources, pack_lights, pack_uniforms, uniform_values
+
+if TYPE_CHECKING:
+    from .march import MarchFrame
+
+HIT_BYTES = 32
+LIT_AT_POINTS = ("unlit", "sampled", "supersampled", "averaged", "interpolated")
+
+
+@dataclass(frozen=True, eq=False)
+class Hits:
+    """Surfaces as they were met by the rays of an image.
+
+    Attributes
+    ----------
+    array
+        float32 (height, width, 8): gradient in the world, value; distance from the eye on the device, side, unused.
+        The side is 0 where there is no surface, 1 where the ray went up through the value, 2 down, 3 where it began inside.
+    scene
+        What was drawn, with its camera.
+    """
+
+    array: npt.NDArray[np.float32]
+    scene: Scene
+
+    @property
+    def normal(self) -> npt.NDArray[np.float32]:
+        """float32 (height, width, 3): unit normals in the world, towards lower values; 0 where there is none."""
+        gradient = self.array[..., :3].astype(np.float64)
+        length = np.linalg.norm(gradient, axis=-1, keepdims=True)
+        return np.where(length > 0, -gradient / np.where(length > 0, length, 1.0), 0.0).astype(np.float32)
+
+    @property
+    def side(self) -> npt.NDArray[np.uint8]:
+        """uint8 (height, width): 0 nothing, 1 met on the way up, 2 on the way down, 3 the ray began inside."""
+        return self.array[..., 5].astype(np.uint8)
+
+
+def check_keeps(frame: MarchFrame) -> None:
+    """Refuse to keep what is not there.
+
+    Raises
+    ------
+    StageError
+        When no surfaces are looked for, values are several numbers, or light depends on more than is kept.
+    """
+    integrate = frame.scene_stages["integrate"]
+    if not getattr(integrate, "surfaces_only", False):
+        raise StageError(f"look.integrate {integrate.name!r}", "meets no surfaces that could be kept", "use first_hit")
+    for layer in frame.layers:
+        lighting = layer.stages["lighting"]
+        if layer.field.groups(layer.context):
+            raise StageError(f"look.field {layer.field.name!r}", "has several numbers at a surface", "draw one channel")
+        if lighting.name not in LIT_AT_POINTS:
+            raise StageError(f"look.lighting {lighting.name!r}", "cannot light what was kept", "use sampled")
+
+
+def check_same(hits: Hits, scene: Scene, size_px: tuple[int, int]) -> None:
+    """Refuse a scene whose surfaces are not those that were kept.
+
+    Raises
+    ------
+    DataError
+        Names what is another.
+    """
+    (one,), (other,) = hits.scene.visible_layers, scene.visible_layers
+    others = {
+        "camera": hits.scene.camera != scene.camera,
+        "volume": one.volume is not other.volume,
+        "labels": one.labels != other.labels,
+        "time or channel": (one.time, one.channels) != (other.time, other.channels),
+        **{slot: getattr(one.look, slot) != getattr(other.look, slot) for slot in ("field", "gradient", "integrate")},
+    }
+    iso = getattr(one.look.integrate, "iso", None)
+    if iso is None:
+        values = [getattr(layer.function, "half_extinction_value", None) for layer in (one, other)]
+        others["iso-value"] = values[0] != values[1]
+    found = [name for name, differs in others.items() if differs]
+    if found:
+        raise DataError("scene", f"has another {found[0]} than the image, whose surfaces lie elsewhere", "render it")
+
+
+def light_again(frame: MarchFrame, bands: Iterable[Any]) -> None:
+    """Light the surfaces in the buffers ``hits`` of bands of rows."""
+    device = frame.device
+    instead: dict[str, Any] = {"tone": tones.Linear()} if frame.tones_late else {}
+    program = frame.program("passes/relight.wgsl", ("radiance", "depth", "hits"), **instead)
+    pipeline = compute.pipeline_of(device, program)
+    values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress) | instead
+    views = bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress)
+    x, y = device.traits.workgroup
+    assert frame.found is not None
+    for band in bands:
+        rows = np.ascontiguousarray(frame.found.array[band.first_row : band.first_row + band.rows])
+        device.queue.write_buffer(band.hits, 0, rows)
+        bound = {
+            **views,
+            "radiance": band.radiance,
+            "depth": band.depth,
+            "hits": band.hits,
+            "uniforms": compute.write_uniforms(device, "uniforms of relight", pack_uniforms(program, band.uniforms(), values)),
+            "lights": compute.write_storage(device, "lights", pack_lights(frame.scene.lights)),
+        }
+        groups = compute.bind_groups(device, pipeline, bound)
+        compute.dispatch(device, pipeline, groups, (-(-frame.size_px[0] // x), -(-band.rows // y), 1))

@@ -1,0 +1,3 @@
+// Nothing is known of what blocks hold: none is passed over.
+
+fn leap_of(block: vec3f) -> f32 { return 0.0; }

@@ -1,0 +1,11 @@
+// The voxels round a place that a filter gives weight to.
+
+import generated::layer::layer;
+
+// The first of them along each axis, the last voxel of the grid, and the share of the way from the voxel below the place on.
+struct Around { first: vec3i, last: vec3i, share: vec3f }
+
+fn around(p_index: vec3f, radius: i32) -> Around {
+  let low = floor(p_index);
+  return Around(vec3i(low) + 1 - radius, vec3i(layer.size) - 1, p_index - low);
+}

@@ -1,0 +1,14 @@
+// Gradients at all voxels, once, into a texture of signed bytes.
+
+import generated::layer::layer;
+import generated::pass::gradients_snorm8_out;
+import generated::slice::params as slice;
+import package::gradient::texel::gradient_texel;
+import slot::field::locate;
+
+@compute @workgroup_size(16, 4, 1)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+  let voxel = vec3u(id.xy, id.z + slice.first_z);
+  if (any(vec3f(voxel) >= layer.size)) { return; }
+  textureStore(gradients_snorm8_out, voxel, gradient_texel(locate(vec3f(voxel))));
+}

@@ -1,0 +1,56 @@
+// What hides, at a low resolution: the optical depth of cells of voxels, by the mean of what their parts let through.
+//
+// A part is what lies at a voxel: the slabs towards its next neighbours, so that nothing between two voxels is missed.
+
+import generated::layer::layer;
+import generated::occlusion::params as occlusion;
+import generated::pass::occluders_out;
+import generated::slice::params as slice;
+import package::sample::Sample;
+import slot::field::{locate, field_value};
+import slot::region::part_at;
+import slot::transfer::{know, classify_known};
+import slot::values::is_gap;
+
+const LEAST_THROUGH: f32 = 1e-4;
+
+@compute @workgroup_size(16, 4, 1)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+  let cell = vec3u(id.xy, id.z + slice.first_z);
+  if (any(cell >= occlusion.cells)) { return; }
+  let low = cell * occlusion.block;
+  let size = vec3u(layer.size);
+  let high = min(low + occlusion.block, size);
+  var opacity = 0.0;
+  for (var z = low.z; z < high.z; z++) {
+    for (var y = low.y; y < high.y; y++) {
+      for (var x = low.x; x < high.x; x++) { opacity += 1.0 - exp(-extinction_at(vec3u(x, y, z), size) * occlusion.cell_world); }
+    }
+  }
+  let all = occlusion.block.x * occlusion.block.y * occlusion.block.z;
+  let depth = -log(max(1.0 - opacity / f32(all), LEAST_THROUGH));
+  textureStore(occluders_out, cell, vec4f(depth, 0.0, 0.0, 0.0));
+}
+
+// Mean extinction [1/world] of the slabs from a voxel to the next along each axis; there is none where the voxel is empty.
+fn extinction_at(voxel: vec3u, size: vec3u) -> f32 {
+  let front = sample_at(voxel);
+  if (is_gap(front.value)) { return 0.0; }
+  let known = know(front);
+  let shown = part_at(front.p_index).opacity;
+  var sum = 0.0;
+  for (var axis = 0u; axis < 3u; axis++) {
+    var next = voxel;
+    next[axis] = min(voxel[axis] + 1u, size[axis] - 1u);
+    var back = sample_at(next);
+    if (is_gap(back.value)) { back = front; }
+    let length = occlusion.spacing[axis];
+    sum -= log(max(1.0 - classify_known(front, known, back, know(back), length * shown).alpha, 1e-7)) / length;
+  }
+  return sum / 3.0;
+}
+
+fn sample_at(voxel: vec3u) -> Sample {
+  let p_index = vec3f(voxel);
+  return Sample(field_value(locate(p_index)), vec3f(0.0), p_index, vec3f(0.0), 0.0);
+}

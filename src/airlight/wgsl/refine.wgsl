@@ -1,0 +1,99 @@
+// Where between two samples a ray meets a surface of equal value, sharper than by a straight line: halving (Scharsach, section
+// 4: six steps leave a 64th), halving and then straight lines, or the roots of the cubics that a trilinear field is along a ray.
+
+import generated::driver::REFINE;
+import generated::sizes::HAS_EMPTY;
+import package::empty::is_empty;
+import package::ray::INFINITE;
+import slot::field::{locate, field_value};
+import slot::values::scalar_of;
+
+const BISECTION = 1u;
+const SECANT = 2u;
+const EXACT = 3u;
+const HALVINGS = 6u;
+const LINES = 2u;
+
+// A ray in index coordinates, and the value for which it is searched.
+struct Search { origin_index: vec3f, direction_index: vec3f, level: f32, nothing: f32 }
+
+// The distance at which the value passes the level. `near` and `far` are distances [world] and values on either side of it.
+fn refined(origin_index: vec3f, direction_index: vec3f, near: vec2f, far: vec2f, level: f32) -> f32 {
+  let search = Search(origin_index, direction_index, level, near.y);
+  if (REFINE == EXACT) { return first_root(search, near, far); }
+  var bracket = vec4f(near, far);
+  for (var i = 0u; i < HALVINGS; i++) { bracket = narrowed(search, bracket, 0.5 * (bracket.x + bracket.z)); }
+  if (REFINE == SECANT) {
+    for (var i = 0u; i < LINES; i++) { bracket = narrowed(search, bracket, straight(bracket, level)); }
+  }
+  return straight(bracket, level);
+}
+
+// What is empty counts as what lies before the surface.
+fn scalar_along(search: Search, t_world: f32) -> f32 {
+  let value = scalar_of(field_value(locate(search.origin_index + t_world * search.direction_index)));
+  if (HAS_EMPTY) { return select(value, search.nothing, is_empty(value)); }
+  return value;
+}
+
+fn narrowed(search: Search, bracket: vec4f, t_world: f32) -> vec4f {
+  let value = scalar_along(search, t_world);
+  let is_far = (value >= search.level) == (bracket.w >= search.level);
+  return select(vec4f(t_world, value, bracket.zw), vec4f(bracket.xy, t_world, value), is_far);
+}
+
+fn straight(bracket: vec4f, level: f32) -> f32 {
+  let rise = bracket.w - bracket.y;
+  return mix(bracket.x, bracket.z, saturate((level - bracket.y) / select(rise, 1.0, rise == 0.0)));
+}
+
+// The first root, cell by cell: four values of a cell tell its cubic.
+fn first_root(search: Search, near: vec2f, far: vec2f) -> f32 {
+  let origin = search.origin_index;
+  let direction = search.direction_index;
+  let forward = direction > vec3f(0.0);
+  let along = abs(direction) < vec3f(1e-30);
+  let p = origin + near.x * direction;
+  var face = select(ceil(p) - 1.0, floor(p) + 1.0, forward);
+  let side = select(-1.0, 1.0, far.y >= search.level);
+  var t = near.x;
+  var y = side * (near.y - search.level);
+  var c = vec4f(0.0);
+  var piece = vec2f(0.0, 1.0);
+  var end = far.x;
+  loop {
+    let t_faces = select((face - origin) / direction, vec3f(INFINITE), along);
+    end = clamp(min(t_faces.x, min(t_faces.y, t_faces.z)), t, far.x);
+    face += select(vec3f(0.0), sign(direction), t_faces <= vec3f(end));
+    let a = side * (scalar_along(search, mix(t, end, 1.0 / 3.0)) - search.level);
+    let b = side * (scalar_along(search, mix(t, end, 2.0 / 3.0)) - search.level);
+    let z = side * (scalar_along(search, end) - search.level);
+    c = vec4f(y, -5.5 * y + 9.0 * a - 4.5 * b + z, 9.0 * y - 22.5 * a + 18.0 * b - 4.5 * z, 4.5 * (z - y) + 13.5 * (a - b));
+    piece = rising_piece(c);
+    if (piece.y >= 0.0 || end >= far.x) { break; }
+    t = end;
+    y = z;
+  }
+  piece.y = select(1.0, piece.y, piece.y >= 0.0);
+  for (var i = 0u; i < 10u; i++) {
+    let middle = 0.5 * (piece.x + piece.y);
+    piece = select(vec2f(middle, piece.y), vec2f(piece.x, middle), cubic(c, middle) >= 0.0);
+  }
+  return mix(t, end, straight(vec4f(piece.x, cubic(c, piece.x), piece.y, cubic(c, piece.y)), 0.0));
+}
+
+fn cubic(c: vec4f, u: f32) -> f32 { return c.x + u * (c.y + u * (c.z + u * c.w)); }
+
+// The first piece of [0, 1] between extremes of a cubic at whose end it is not negative; its end is negative where there is none.
+fn rising_piece(c: vec4f) -> vec2f {
+  // Roots of the derivative, without loss where the cubic is nearly straight.
+  let half = -c.z - select(-1.0, 1.0, c.z >= 0.0) * sqrt(max(c.z * c.z - 3.0 * c.w * c.y, 0.0));
+  let one = half / select(3.0 * c.w, 1e-30, c.w == 0.0);
+  let other = c.y / select(half, 1e-30, half == 0.0);
+  let bends = c.z * c.z > 3.0 * c.w * c.y;
+  let low = select(1.0, saturate(min(one, other)), bends);
+  let high = select(1.0, saturate(max(one, other)), bends);
+  if (cubic(c, low) >= 0.0) { return vec2f(0.0, low); }
+  if (cubic(c, high) >= 0.0) { return vec2f(low, high); }
+  return select(vec2f(0.0, -1.0), vec2f(high, 1.0), cubic(c, 1.0) >= 0.0);
+}

@@ -1,0 +1,28 @@
+"""``--normals``: the normals of surfaces beside the picture."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from airlight.app import cli
+
+
+def test_normals_are_written(tmp_path, volume_file):
+    words = ["render", volume_file, "-o", str(tmp_path / "a.png"), "--size", "24", "--integrate", "first_hit:iso=500"]
+    for ending in ("npy", "png"):
+        assert cli.main([*words, "--normals", str(tmp_path / f"n.{ending}")]) == 0
+    normals, colours = np.load(tmp_path / "n.npy"), np.asarray(Image.open(tmp_path / "n.png"))
+    met = normals.any(axis=-1)
+    assert 0 < met.mean() < 1
+    assert np.linalg.norm(normals[met], axis=-1) == pytest.approx(1, abs=1e-5)
+    assert np.abs(colours[met] / 127.5 - 1 - normals[met]).max() < 0.01
+    assert not colours[~met].any()
+
+
+def test_normals_of_what_has_no_surfaces(tmp_path, volume_file, capsys):
+    words = ["render", volume_file, "-o", str(tmp_path / "a.png"), "--size", "24", "--integrate", "mip"]
+    assert cli.main([*words, "--normals", str(tmp_path / "n.npy")]) == 2
+    assert "first_hit" in capsys.readouterr().err
+    assert cli.main([*words, "--normals", str(tmp_path / "n.jpg")]) == 2
