@@ -1,8 +1,9 @@
 """Iso-surfaces at large steps: where rays hit them, what sharper hits cost, and what blocks of voxels are worth.
 
 *hits*: a sphere, a torus and the field of Marschner and Lobb at 5-voxel steps. Errors are distances along the ray to the
-nearest root of the reconstructed (trilinear) field, in voxels, of all rays that meet the surface at more than 2 degrees; the
-truth is computed in float64 with eigenvalues of the cubics along rays. *refining*: the time of frames relative to those without
+nearest root of the reconstructed (trilinear) field, in voxels, of all hits at more than 2 degrees; the truth is computed in
+float64 with eigenvalues of the cubics along rays. Of the rays whose first surface is met at more than 2 degrees, *lost* ones
+hit nothing and *later* ones a surface behind it. *refining*: the time of frames relative to those without
 refinement. *steps*: bone of the CT head at steps of 5 voxels in blocks against 1.0 and 0.5 without blocks (a plain march with
 the same refinement) and with them: structural similarity (SSIM, Wang et al. 2004) and speed.
 """
@@ -29,6 +30,7 @@ from airlight.rendering.march import MarchFrame, draw_march
 
 STEP = 5.0
 GRAZING_DEG = 2.0
+LATER = 0.02  # voxels; roots of two surfaces lie further apart than any of them is wrong
 LIMITS = {"bisection": STEP / 64, "secant": 1e-2, "exact": 1e-3}
 MOST_COST = 1.25
 LEAST_SSIM = 0.98
@@ -103,16 +105,22 @@ def frame_of(device: Device, scene: al.Scene, size: int, step: float, **driver: 
 def hit_errors(device: Device, name: str, scene: al.Scene, options: Any) -> list[dict[str, Any]]:
     """Greatest distance of hits from the nearest root along the ray, for each refinement."""
     size = min(options.size, 256)
+    first = first_surfaces(scene, size)
     rows = []
     for refine in ("none", *LIMITS):
         depth = draw_march(frame_of(device, scene, size, STEP, refine=refine))[1]
-        error, degrees, begins_outside = distances(scene, depth)
+        error, root, degrees, begins_outside = distances(scene, depth)
         error = error[(degrees > GRAZING_DEG) & begins_outside]
+        met = np.isfinite(depth)
+        behind = root > first[met] + LATER * prepare_reference(scene).spacing_world
         rows.append(
             {
                 "field": name,
                 "refine": refine,
-                "rays": int(error.size),
+                "rays": int(np.isfinite(first).sum()),
+                "lost": int((np.isfinite(first) & ~met).sum()),
+                "later": int((behind & np.isfinite(first[met])).sum()),
+                "hits": int(error.size),
                 "mean [voxel]": float(error.mean()),
                 "worst [voxel]": float(error.max()),
                 "limit": LIMITS.get(refine, float("inf")),
@@ -121,45 +129,82 @@ def hit_errors(device: Device, name: str, scene: al.Scene, options: Any) -> list
     return rows
 
 
-def distances(scene: al.Scene, depth: np.ndarray[Any, Any]) -> tuple[Any, Any, Any]:
-    """Distance of hits from the nearest root of the field along their rays [voxel], angles there [degree], who has a root.
+class Rays:
+    """Rays of pixels through the reconstructed field of a scene."""
 
-    A ray that begins at values beyond the surface hits the border of the volume.
+    def __init__(self, scene: al.Scene, size: int, x: Any, y: Any) -> None:
+        self.setup = prepare_reference(scene)
+        self.voxel = self.setup.spacing_world
+        self.iso = scene.layers[0].look.integrate.iso
+        self.origin, self.direction = CAMERAS[scene.camera.name](scene.camera, (size, size), x, y)
+        self.index_from_world = self.setup.layer.volume.index_from_world[:3, :3]
+        self.line = self.setup.index_of(self.origin), self.direction @ self.index_from_world.T
+        self.enters, self.leaves = span(self.setup, self.origin, self.direction)
+
+    def field(self, rows: Any, t_world: Any) -> Any:
+        """Values along some of the rays."""
+        return field_value(self.setup, self.line[0][rows] + t_world[:, None] * self.line[1][rows])[0]
+
+    def degrees(self, t_world: Any) -> Any:
+        """Angles between rays and surfaces at places on the rays, from differences of the field inside of a voxel."""
+        h = 1e-6 * self.voxel
+        place = self.line[0] + t_world[:, None] * self.line[1]
+        slope = [
+            (field_value(self.setup, place + h * axis)[0] - field_value(self.setup, place - h * axis)[0]) / (2 * h)
+            for axis in np.eye(3)
+        ]
+        gradient = np.stack(slope, axis=1) @ self.index_from_world
+        cosine = np.abs((gradient * self.direction).sum(axis=1)) / np.maximum(np.linalg.norm(gradient, axis=1), 1e-30)
+        return np.degrees(np.arcsin(np.clip(cosine, 0, 1)))
+
+
+def first_surfaces(scene: al.Scene, size: int) -> np.ndarray[Any, Any]:
+    """Distance (size, size) at which rays first pass the value on the way up; inf where they do not, graze, or begin beyond."""
+    y, x = np.mgrid[:size, :size].reshape(2, -1)
+    rays = Rays(scene, size, x, y)
+    first = np.full(y.size, np.inf)
+    crosses = np.nonzero(rays.leaves > rays.enters)[0]
+    searched = crosses[rays.field(crosses, rays.enters[crosses] + 1e-9 * rays.voxel) < rays.iso]
+    begin = rays.enters.copy()
+    while searched.size:
+        ends = np.stack([begin[searched], np.minimum(begin[searched] + 2 * rays.voxel, rays.leaves[searched])], axis=1)
+        line = rays.line[0][searched], rays.line[1][searched]
+
+        def along(rows: Any, t_world: Any, searched: Any = searched) -> Any:
+            return rays.field(searched[rows], t_world)
+
+        first[searched] = crossings(along, line, ends, rays.iso, np.ones(searched.size))
+        begin[searched] = ends[:, 1]
+        searched = searched[np.isinf(first[searched]) & (begin[searched] < rays.leaves[searched])]
+    met = np.isfinite(first)
+    first[met & (rays.degrees(np.where(met, first, 0.0)) <= GRAZING_DEG)] = np.inf
+    return first.reshape(size, size)
+
+
+def distances(scene: al.Scene, depth: np.ndarray[Any, Any]) -> tuple[Any, Any, Any, Any]:
+    """Distance of hits from the nearest root of the field along their rays [voxel], roots, angles [degree], who has a root.
+
+    A ray that begins at values beyond the surface hits the border of the volume, and has none.
     """
-    setup = prepare_reference(scene)
-    voxel = setup.spacing_world
     y, x = np.nonzero(np.isfinite(depth))
     t_hit = depth[y, x].astype(np.float64)
-    origin, direction = CAMERAS[scene.camera.name](scene.camera, depth.shape[::-1], x, y)
-    line = setup.index_of(origin), direction @ setup.layer.volume.index_from_world[:3, :3].T
-    iso = scene.layers[0].look.integrate.iso
-
-    def field(rows: Any, t_world: Any) -> Any:
-        return field_value(setup, line[0][rows] + t_world[:, None] * line[1][rows])[0]
+    rays = Rays(scene, len(depth), x, y)
 
     def first(sign: int) -> Any:
         """First root before or behind the hit, as a distance from it."""
-        ends = np.stack([np.zeros_like(t_hit), np.full_like(t_hit, STEP * voxel)], axis=1)
-        turned = line[0] + t_hit[:, None] * line[1], sign * line[1]
+        ends = np.stack([np.zeros_like(t_hit), np.full_like(t_hit, STEP * rays.voxel)], axis=1)
+        turned = rays.line[0] + t_hit[:, None] * rays.line[1], sign * rays.line[1]
 
         def along(rows: Any, t_world: Any) -> Any:
-            return field(rows, t_hit[rows] + sign * t_world)
+            return rays.field(rows, t_hit[rows] + sign * t_world)
 
-        return crossings(along, turned, ends, iso)
+        return crossings(along, turned, ends, rays.iso)
 
     both = np.stack([first(-1), first(1)])
     error = both.min(axis=0)
     t_root = t_hit + np.where(both[0] < both[1], -error, error)
-    # The gradient of the reconstruction there, by differences inside of a voxel.
-    h = 1e-6 * voxel
-    place = line[0] + np.where(np.isfinite(t_root), t_root, t_hit)[:, None] * line[1]
-    slope = [
-        (field_value(setup, place + h * axis)[0] - field_value(setup, place - h * axis)[0]) / (2 * h) for axis in np.eye(3)
-    ]
-    gradient = np.stack(slope, axis=1) @ setup.layer.volume.index_from_world[:3, :3]
-    cosine = np.abs((gradient * direction).sum(axis=1)) / np.maximum(np.linalg.norm(gradient, axis=1), 1e-30)
-    begins_outside = t_hit > span(setup, origin, direction)[0] + 1e-3 * voxel
-    return error / voxel, np.degrees(np.arcsin(np.clip(cosine, 0, 1))), begins_outside
+    degrees = rays.degrees(np.where(np.isfinite(t_root), t_root, t_hit))
+    return error / rays.voxel, t_root, degrees, t_hit > rays.enters + 1e-3 * rays.voxel
 
 
 # -- time

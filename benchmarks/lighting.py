@@ -45,6 +45,7 @@ def main(argv: list[str] | None = None) -> int:
         with al.Renderer(device=options.device) as renderer:
             rows = accuracy(renderer, 12 if options.quick else 48)
         print(table(rows) + "\n")
+        print(table([by_function(row) for row in rows]) + "\n")
         times = timed(device, options)
         print(
             table(
@@ -153,6 +154,12 @@ def shown(row: dict[str, Any], clock: str) -> dict[str, Any]:
     """Columns of the printed table."""
     relative = row["relative"][clock]
     return {"to one sample": relative["median"], "min": relative["min"], "max": relative["max"]}
+
+
+def by_function(row: dict[str, Any]) -> dict[str, Any]:
+    """Errors of ``interpolated`` to those of other ways in one scene: what the bars over all functions are made of."""
+    others = ("averaged", "one sample, front", "one sample, middle", "one sample, light")
+    return {"scene": row["scene"]} | {f"interpolated to {way}": row["interpolated"] / row[way] for way in others}
 
 
 def judged(rows: list[dict[str, Any]], times: list[dict[str, Any]], clock: str) -> list[dict[str, Any]]:

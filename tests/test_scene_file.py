@@ -404,6 +404,37 @@ def test_errors_name_file_line_and_key(text: str, message: str, tmp_path: Path) 
     assert str(caught.value).startswith(str(path))
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["background={file='FILE'}", "[layers.look.shade]\nname='environment'\nenvironment='FILE'"],
+    ids=["background", "look"],
+)
+def test_pictures_of_untrusted_scenes(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are read in a process of its own, within the limit, and from the scene's folder alone."""
+    path, inside, outside = tmp_path / "here" / "scene.toml", tmp_path / "here" / "a.npy", tmp_path / "a.npy"
+    path.parent.mkdir()
+    for file in (inside, outside):
+        np.save(file, np.ones((4, 8, 3), np.float32))
+
+    def load(file: str, **limits: Any) -> Scene:
+        layer = "[[layers]]\nvolume='a.nrrd'\n"
+        path.write_text((layer + text if text[0] == "[" else text + "\n" + layer).replace("FILE", file), encoding="utf-8")
+        return scene_file.load_scene(path, **limits)[0]
+
+    trusted = load("../a.npy")
+    with pytest.raises(AirlightError, match="outside of the folder"):
+        load("../a.npy", untrusted=True)
+    with pytest.raises(AirlightError, match="at most 8 are"):
+        load("a.npy", max_memory=100)
+
+    def here(*_: Any) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("airlight.environment.reading._read_npy", here)
+    found = load("a.npy", untrusted=True)
+    assert (found.background, found.layers[0].look.shade) == (trusted.background, trusted.layers[0].look.shade)
+
+
 def test_a_missing_file(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="cannot be read"):
         scene_file.load_scene(tmp_path / "none.toml")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from .errors import DataError, ValueRangeError
 from .first_picture import resolved_camera
 from .scene import Scene
+from .transfer.given import listed
 
 if TYPE_CHECKING:
     from .rendering.image import Image
@@ -47,8 +48,13 @@ def pick(image: Image, scene: Scene, pixel: tuple[int, int]) -> tuple[float, flo
     """
     if not hasattr(image, "depth"):
         raise DataError("image", f"is a {type(image).__name__}", "pass what airlight.render returned, then the scene")
+    if not isinstance(scene, Scene):
+        raise DataError("scene", f"is a {type(scene).__name__}", "pass the airlight.Scene that the image shows")
     width, height = image.size
-    column, row = pixel
+    parts: tuple[int, ...] = listed(pixel, "pixel", "give (column, row)")
+    if len(parts) != 2:
+        raise ValueRangeError("pixel", f"is {pixel!r}, must be a whole column and row")
+    column, row = parts
     if not (isinstance(column, Integral) and isinstance(row, Integral)):
         raise ValueRangeError("pixel", f"is {(column, row)}, must be a whole column and row")
     if not (0 <= column < width and 0 <= row < height):

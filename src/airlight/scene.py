@@ -25,12 +25,14 @@ from .stages.transfer import Transfer
 from .transfer import TransferFunction, linear_rgb
 from .transfer.channels import Channels
 from .transfer.colour import MOST_COLOUR, Colour
-from .transfer.given import not_negative, set_fields, whole
+from .transfer.given import finite_numbers, listed, not_negative, positive, set_fields, whole
 from .transfer.joint import JointFunction
 from .transfer.kinds import AnyFunction, DrawnFunction, as_function, channels_of, drawn_function
 from .volume import FloatArray, Volume, statistics
 
 Vector = tuple[float, float, float]
+
+ROUNDING = 1e-12  # of lengths of directions, which stay as they are
 
 __all__ = ["VIEWS", "Camera", "Layer", "Light", "Look", "Scene", "fit_camera"]
 
@@ -63,26 +65,29 @@ class Light:
         """Check the values."""
         if self.kind not in ("head", "directional", "point"):
             raise ValueRangeError("light.kind", f"is {self.kind!r}, must be one of head, directional, point")
-        if np.shape(self.vector) != (3,) or not np.isfinite(self.vector).all():
-            raise ValueRangeError(f"light.{self.kind}", f"got {self.vector!r}", "give three finite numbers, x, y, z")
-        if not (math.isfinite(self.intensity) and self.intensity >= 0):
-            raise ValueRangeError("light.intensity", f"is {self.intensity}, must be finite and at least 0")
-        if self.radius is not None and not (math.isfinite(self.radius) and self.radius > 0):
-            raise ValueRangeError("light.radius", f"is {self.radius}, must be finite and above 0")
+        x, y, z = finite_numbers(self.vector, f"light.{self.kind}", 3)
+        length = math.hypot(x, y, z)
+        if self.kind == "directional" and not 0 < length < math.inf:
+            raise ValueRangeError("light.to_light", f"is {self.vector!r}, must be a finite direction")
+        if self.kind == "directional" and abs(length - 1) > ROUNDING:
+            x, y, z = x / length, y / length, z / length
+        colour, intensity = linear_rgb(self.colour, "light.color"), not_negative(self.intensity, "light.intensity")
+        radius = None if self.radius is None else positive(self.radius, "light.radius")
+        set_fields(self, vector=(x, y, z), colour=colour, intensity=intensity, radius=radius)
 
     @staticmethod
     def head(*, color: Colour = (1.0, 1.0, 1.0), intensity: float = 1.0) -> Light:
         """Light that comes from the eye, along each ray."""
-        return Light("head", colour=linear_rgb(color, "light.color"), intensity=float(intensity))
+        return Light("head", colour=linear_rgb(color, "light.color"), intensity=intensity)
 
     @staticmethod
     def directional(*, to_light: Vector, color: Colour = (1.0, 1.0, 1.0), intensity: float = 1.0) -> Light:
         """Light from far away; ``to_light`` is the world direction towards it."""
-        length = float(np.linalg.norm(to_light)) if np.shape(to_light) == (3,) else 0.0
-        if not (math.isfinite(length) and length > 0):
+        x, y, z = finite_numbers(to_light, "light.to_light", 3)
+        length = math.hypot(x, y, z)
+        if not 0 < length < math.inf:
             raise ValueRangeError("light.to_light", f"is {to_light!r}, must be a finite direction")
-        x, y, z = (float(c) / length for c in to_light)
-        return Light("directional", (x, y, z), linear_rgb(color, "light.color"), float(intensity))
+        return Light("directional", (x / length, y / length, z / length), linear_rgb(color, "light.color"), intensity)
 
     @staticmethod
     def point(
@@ -93,10 +98,8 @@ class Light:
         radius: float | None = None,
     ) -> Light:
         """Light at a world position, without fall-off unless ``radius`` is given."""
-        if np.shape(position) != (3,):
-            raise ValueRangeError("light.position", f"is {position!r}", "give three numbers, x, y, z")
-        x, y, z = (float(c) for c in position)
-        return Light("point", (x, y, z), linear_rgb(color, "light.color"), float(intensity), radius)
+        x, y, z = finite_numbers(position, "light.position", 3)
+        return Light("point", (x, y, z), linear_rgb(color, "light.color"), intensity, radius)
 
 
 @dataclass(frozen=True)
@@ -231,8 +234,13 @@ class Layer:
         channel = self.volume.channel_index(self.channel)
         return (channel,) if self.transfer is None else channels_of(self.transfer, self.volume, channel)
 
-    def stages(self) -> dict[str, Stage]:
+    def stages(self, keeps_gradient: bool = False) -> dict[str, Stage]:
         """Return the stages that draw the layer: its look's, or their stand-ins for the kind of function and data.
+
+        Parameters
+        ----------
+        keeps_gradient
+            Whether the look's gradient stage stays although nothing asks it while drawing.
 
         Raises
         ------
@@ -246,7 +254,7 @@ class Layer:
             chosen["transfer"] = transfer = transfer.for_function(self.function)
             if getattr(chosen["lighting"], "splits_slabs", False):
                 chosen["transfer"] = transfer.splitting()
-            if transfer.uses_gradient(self.function):
+            if keeps_gradient or transfer.uses_gradient(self.function):
                 chosen["gradient"] = self.look.gradient
         if are_alone(self.labels, self.volume):
             chosen = Occupancy().arranged(chosen)
@@ -321,11 +329,16 @@ class Scene:
             layers = [Layer(volume, **given)]
         elif given:
             raise DataError("scene", f"got layers beside {' and '.join(given)}", "give it to the layers")
-        if isinstance(camera, str) and camera not in VIEWS:
+        layers = listed(layers, "scene.layers", "pass layers=[airlight.Layer(volume)]")
+        for layer in layers:
+            if not isinstance(layer, Layer):
+                raise DataError("scene.layers", f"holds a {type(layer).__name__}", "make a Layer of it: airlight.Layer(volume)")
+        if not (isinstance(camera, Camera) or (isinstance(camera, str) and camera in VIEWS)):
             raise ValueRangeError("scene.camera", f"is {camera!r}, must be a Camera or one of {', '.join(VIEWS)}")
-        object.__setattr__(self, "layers", tuple(layers))
+        object.__setattr__(self, "layers", layers)
         object.__setattr__(self, "camera", camera)
-        object.__setattr__(self, "lights", (Light.head(),) if lights is None else tuple(lights))
+        given_lights = (Light.head(),) if lights is None else listed(lights, "scene.lights", "pass lights=[light]")
+        object.__setattr__(self, "lights", given_lights)
         if background is not None and not isinstance(background, Environment):
             background = linear_rgb(background, "scene.background", MOST_COLOUR)
         object.__setattr__(self, "background", background)

@@ -26,3 +26,22 @@ def test_normals_of_what_has_no_surfaces(tmp_path, volume_file, capsys):
     assert cli.main([*words, "--normals", str(tmp_path / "n.npy")]) == 2
     assert "first_hit" in capsys.readouterr().err
     assert cli.main([*words, "--normals", str(tmp_path / "n.jpg")]) == 2
+
+
+@pytest.mark.parametrize(
+    ("output", "normals", "words"),
+    [
+        ("a.png", "a.png", "is the file of the picture, too: name another"),
+        ("a.png", "sub/../a.png", "is the file of the picture, too: name another"),
+        ("a.png", "-", "cannot go to standard output: name a file"),
+        ("a.png", "folder.png", "is a folder: name a file in it"),
+        ("folder.png", "n.png", "is a folder: name a file in it"),
+    ],
+)
+def test_normals_take_no_others_place(output, normals, words, tmp_path, volume_file, drawn, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder.png").mkdir()
+    (tmp_path / "sub").mkdir()
+    assert cli.main(["render", volume_file, "-o", output, "--integrate", "first_hit:iso=500", f"--normals={normals}"]) != 0
+    assert words in capsys.readouterr().err
+    assert not drawn

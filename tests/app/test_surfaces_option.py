@@ -70,6 +70,14 @@ def test_mistakes_are_told_before_a_file_is_opened(
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("way", ["xray", "weighted_sum"])
+def test_surfaces_attenuate_in_sums(way: str, volume_file: str, drawn: Drawn, tmp_path: Path) -> None:
+    assert render(volume_file, tmp_path, "--iso", "300:gold:0.5", "--integrate", way) == 0
+    layer = drawn[0][0].layers[0]
+    assert layer.look.integrate.name == way
+    assert layer.transfer.surfaces == (Surface(300, "gold", 0.5),)
+
+
 @pytest.mark.parametrize("beside", [[], ["--colormap", "magma"]])
 @pytest.mark.parametrize("way", ["mip", "mean", "first_hit"])
 def test_what_draws_no_surfaces_is_told(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 
 import numpy as np
@@ -123,6 +124,32 @@ def test_hdr_loads_to_a_shared_exponents_precision(tmp_path, pixels):
     assert np.abs(loaded - pixels).max() <= 5 / 128
 
 
+HEAD = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"
+ARCHIVE = io.BytesIO()
+np.savez(ARCHIVE, np.ones((2, 4, 3)))
+
+
+def test_exposures_are_divided_out(tmp_path):
+    """And a size in a comment is none."""
+    pytest.importorskip("imagecodecs")
+    head = HEAD + b"EXPOSURE=4\n# x\n-Y 90000 +X 90000\nEXPOSURE= 0.5\nCOLORCORR=1 2 4\n"
+    (tmp_path / "a.hdr").write_bytes(head + b"\n-Y 2 +X 4\n" + b"\x80\x80\x80\x81" * 8)
+    found = al.Environment.open(tmp_path / "a.hdr").source.pixels
+    assert np.allclose(found, np.broadcast_to([0.5, 0.25, 0.125], (2, 4, 3)), rtol=0.01)
+
+
+def test_untrusted_pictures_read_the_same(tmp_path, pixels):
+    np.save(tmp_path / "a.npy", pixels)
+    opened = al.Environment.open(tmp_path / "a.npy", untrusted=True)
+    assert opened == al.Environment.open(tmp_path / "a.npy")
+    for untrusted in (False, True):
+        with pytest.raises(al.LimitError, match="at most 8"):
+            al.Environment.open(tmp_path / "a.npy", untrusted=untrusted, max_memory=100)
+    (tmp_path / "b.npy").write_bytes(b"hello")
+    with pytest.raises(al.FileError, match="is no array"):
+        al.Environment.open(tmp_path / "b.npy", untrusted=True)
+
+
 @pytest.mark.parametrize(
     ("name", "content", "words"),
     [
@@ -132,7 +159,13 @@ def test_hdr_loads_to_a_shared_exponents_precision(tmp_path, pixels):
         ("a.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 90000 +X 90000\n", "at most"),
         ("a.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n\2\2\0\x10", "is damaged"),
         ("a.exr", b"hello", "is no OpenEXR picture"),
+        ("a.hdr", HEAD + b"\n-Y 2 +X 4\n\n-Y 2 +X 4\n" + b"\1\1\1\x80" * 4, "is damaged"),
+        ("a.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 2 +X 4\n" + b"\1\1\1\x80" * 8, "not RGB"),
+        ("a.hdr", HEAD + b"EXPOSURE=0\n\n-Y 2 +X 4\n" + b"\1\1\1\x80" * 8, "header says 'EXPOSURE=0'"),
+        ("a\0.hdr", None, "cannot be read"),
         ("a.npy", b"hello", "is no array"),
+        ("a.npy", b"PK\3\4hello", "is no array"),
+        ("a.npy", ARCHIVE.getvalue(), "is no array"),
     ],
 )
 def test_files_that_are_none_are_refused(tmp_path, name, content, words):
@@ -154,6 +187,12 @@ def test_a_missing_package_names_its_extra(tmp_path, monkeypatch, package, endin
     ("make", "words"),
     [
         (lambda: al.Environment.from_picture(np.ones((8, 8, 3))), "twice as wide"),
+        (lambda: al.Environment("studio"), "no source of light"),
+        (lambda: al.Environment.open(None), "name a"),
+        (lambda: al.Environment.studio().turned(1, ("a", "b", "c")), "finite number"),
+        (lambda: al.Environment.from_faces([np.ones((4, 4, 3))]), "give a dict"),
+        (lambda: al.Environment.from_faces({face: [[1], [2, 3]] for face in FACES}), "no array"),
+        (lambda: al.Environment.from_picture([[1], [2, 3]]), "no array"),
         (lambda: al.Environment.from_picture(np.ones((8, 16))), "height, width, 3"),
         (lambda: al.Environment.from_picture(-np.ones((8, 16, 3))), "negative"),
         (lambda: al.Environment.from_picture(np.full((8, 16, 3), np.nan)), "no number"),

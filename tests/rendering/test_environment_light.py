@@ -295,7 +295,9 @@ def test_command_line(tmp_path, head, monkeypatch, capsys):
         (["--environment", "sky:turn=3"], "axis times radians"),
         (["--environment-turn", "90"], "--environment-turn turns no environment"),
         (["--background", "environment"], "add --environment studio"),
-        (["--shade", "none", "--environment", "sky"], "lights nothing"),
+        (["--environment", "sky:foo=1"], "--environment.foo is no parameter of sky"),
+        (["--shade", "none", "--environment", "sky"], "lights nothing, --shade is none"),
+        (["--integrate", "mip", "--environment", "studio"], "lights nothing, --integrate mip is not lit"),
     ):
         assert job(monkeypatch, "blobs.nrrd", *words) is None
         assert message in capsys.readouterr().err

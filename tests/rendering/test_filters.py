@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,7 +13,7 @@ from scenes import rotation
 
 import airlight as al
 from airlight.gpu.device import Device, choose
-from airlight.reconstruction import kernels
+from airlight.reconstruction import kernels, spline
 from airlight.reconstruction.spline import prefiltered
 from airlight.stage import Context
 
@@ -32,6 +34,9 @@ FILTERS = [
     al.field.Kernel.of(lambda x: np.maximum(1 - np.abs(x), 0) ** 2 * (1 + 2 * np.abs(x)), 1),
     al.field.KernelBody(),
 ]
+# Samples that no voxel meets when a place is one: the kernel's kinks lie elsewhere.
+PLACE = np.linspace(-2, 2, 12)
+ODD_BODY = al.field.KernelBody(tuple(np.prod(np.meshgrid(*[np.sinc(PLACE) * np.sinc(PLACE / 2)] * 3), axis=0).ravel()), 2)
 INTERPOLATING = [FILTERS[n] for n in (0, 1, 3, 5, 6, 9, 10, 11)]
 NEAR = 1e-4  # of the field's range: what float formats must reach
 
@@ -227,12 +232,48 @@ def test_kernels_that_are_given(noise, rng, device):
         (lambda: al.field.WindowedSinc(radius=9), r"\[1, 8\]"),
         (lambda: al.field.WindowedSinc("hann"), "lanczos"),
         (lambda: al.field.KernelBody((1.0,) * 26), "cube"),
+        (lambda: al.field.KernelBody((0.0,) * 27), "almost nothing"),
+        (lambda: al.field.KernelBody((1.0, -1.0) * 13 + (1.0,), 1), "almost nothing"),
+        (lambda: al.field.Kernel.of(np.sinc, 2.5), "whole number"),
+        (lambda: al.field.Kernel.of(np.sinc, -1), "whole number"),
+        (lambda: al.field.Kernel.of(lambda x: x[:2], 2), "no numbers that fit"),
+        (lambda: al.field.Kernel("abc"), "must be a list"),
+        (lambda: al.field.Kernel(None), "must be a list"),
+        (lambda: al.field.Kernel(((1, 2), (3,))), "no numbers"),
+        (lambda: al.field.KernelBody.of(lambda x, y, z: x, 2.5), "whole number"),
         (lambda: al.field.Mitchell(b=-1), r"\[0, 2\]"),
     ],
 )
 def test_bad_kernels_are_refused(make, words):
     with pytest.raises(al.ValueRangeError, match=words):
         make()
+
+
+def test_functions_may_give_one_number():
+    assert al.field.Kernel.of(lambda x: 1.0, 2).samples == (1.0,) * 129
+
+
+@pytest.mark.parametrize(("side", "radius"), [(6, 2), (12, 2), (4, 1), (20, 3)])
+def test_overshoot_of_a_body_is_that_of_its_product(side, radius):
+    """A separable kernel interpolated along each axis stays a product: its gain is the cube of that along an axis."""
+    place = np.linspace(-radius, radius, side)
+    line = np.sinc(1.3 * place) * np.cos(np.pi * place / (2 * radius + 1))
+    body = al.field.KernelBody(tuple(np.prod(np.meshgrid(line, line, line), axis=0).ravel()), radius)
+    distance = np.linspace(0, 1, 4621)[:, None] - (np.arange(2 * radius) + 1 - radius)  # holds all kinks
+    weights = kernels.tabulated(tuple(line), radius)(distance)
+    gain = kernels.greatest_gain(weights / weights.sum(axis=1, keepdims=True))
+    assert body.overshoot == pytest.approx(kernels.overshoot_of(gain), rel=1e-3)
+
+
+def test_coefficients_are_kept_but_not_without_end(rng):
+    volume = al.Volume(rng.random((9, 4, 5, 6)).astype(np.float32))
+    first = spline.coefficients(volume, 0, 0)
+    assert spline.coefficients(volume, 0, 0) is first
+    for channel in range(1, 9):
+        spline.coefficients(volume, channel, 0)
+    assert len(volume.__dict__["_coefficients"]) == spline.KEPT_GRIDS
+    assert spline.coefficients(volume, 0, 0) is not first
+    assert pickle.loads(pickle.dumps(volume)) == volume
 
 
 @pytest.mark.parametrize("field", ["nearest", "preclassified"])
@@ -255,7 +296,7 @@ def test_empty_samples_and_channels_are_refused(renderer, noise):
         renderer.render(drawn, (8, 8))
 
 
-@pytest.mark.parametrize("stage", [s for s in FILTERS if s.name != "kernel_body"] + [al.field.Levels()], ids=name_of)
+@pytest.mark.parametrize("stage", [s for s in FILTERS if s.name != "kernel_body"] + [al.field.Levels(), ODD_BODY], ids=name_of)
 def test_blocks_bound_filters(renderer, stage, rng):
     """Surfaces that only overshooting values reach are found, whatever blocks say of the samples."""
     volume = sheared(rng.integers(0, 2, (20, 20, 20)))

@@ -152,7 +152,26 @@ def test_another_iso_value_is_another_surface(renderer):
 
 
 def test_six_bisections_leave_a_64th(renderer):
-    """A parabola along the ray: a straight line between samples errs, halving divides the bracket by 64, or better."""
+    """A bend inside of the last bracket, which the straight line through it misses by more than half of its width.
+
+    Samples lie at 12.1 and 28.1: six halvings leave [19.85, 20.1], five leave [19.6, 20.1], and the surface is just behind 20.
+    """
+    y, step, iso = np.arange(33.0), 16.0, 0.5
+    volume = along_y(100 * np.maximum(y - 20, 0))
+    x, _, z = volume.corners_world().mean(axis=0)
+    drawn = al.Scene(
+        volume,
+        transfer=al.TransferFunction([(0, "white", 0), (100, "white", 1)]),
+        camera=al.Camera.orthographic(eye=(x, -99.9, z), target=(x, 16, z), height=0.1),
+        look=al.Look(integrate=al.integrate.FirstHit(iso=iso), shade="none", field="linear_exact"),
+    )
+    driver = al.driver.March(refine="bisection", blocks=False)
+    error = 20.005 + 99.9 - renderer.render(drawn, (1, 1), step=step, driver=driver).depth[0, 0]
+    assert step / 128 < error <= step / 64
+
+
+def test_refinements_of_a_parabola(renderer):
+    """A straight line between samples errs; what is sharpened errs less, each way within its bound."""
     y = np.arange(33.0)
     volume = along_y((y / 32) ** 2 * 100)
     # Within a voxel the field is straight, so the truth is piecewise linear.

@@ -150,6 +150,13 @@ def test_what_is_refused(renderer, rng):
     for gradient in ("precomputed", al.gradient.Precomputed("analytic")):
         with pytest.raises(al.StageError, match="no levels: use central or analytic"):
             renderer.render(scene_of(volume, "levels", gradient), (8, 8))
+    for name, slots in {
+        "quantised": {"lighting": "quantised"},
+        "ambient_occlusion": {"visibility": "ambient_occlusion"},
+    }.items():
+        look = al.Look(field="levels", **slots)
+        with pytest.raises(al.StageError, match=f"{name}.*no levels: use the field linear"):
+            renderer.render(al.Scene(volume, look=look), (8, 8))
     holed = volume.array.copy()
     holed[2, 2, 2] = np.nan
     with pytest.raises(al.StageError, match=r"empty samples.*use linear"):

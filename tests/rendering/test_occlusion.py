@@ -13,7 +13,7 @@ from scenes import SIZE, blobs, function, scene
 
 import airlight as al
 from airlight import reference
-from airlight.errors import ValueRangeError
+from airlight.errors import LimitError, ValueRangeError
 from airlight.reference import occlusion as truth
 from airlight.rendering import occlusion
 
@@ -192,6 +192,26 @@ def test_made_anew_for_another_function_only(monkeypatch):
 def test_a_radius_within_a_cell_is_refused(renderer):
     with pytest.raises(ValueRangeError, match=r"ambient_occlusion.radius is 1, and cells have 3\.7"):
         renderer.render(occluded(blobs(), function(), al.visibility.AmbientOcclusion(radius=1, cells=12)), SIZE)
+
+
+def test_tiny_volumes_look_two_cells_far(renderer):
+    drawn = occluded(al.Volume(np.full((2, 3, 5), 100.0)), function(), al.visibility.AmbientOcclusion())
+    assert np.abs(renderer.render(drawn, SIZE).rgba - reference.render(drawn, SIZE).rgba).max() <= 1 / 255
+
+
+def test_what_a_device_would_cut_short_is_refused(renderer):
+    """Software devices end loops after 65,536 turns."""
+    if renderer.render(scene(), (4, 4)).stats["adapter"]["kind"] != "software":
+        pytest.skip("for software devices")
+    column = al.Volume(np.full((200, 8, 8), 70.0))
+    looking = al.visibility.AmbientOcclusion(radius=190, cells=200, directions=1024)
+    with pytest.raises(LimitError, match="looks from a cell"):
+        renderer.render(occluded(column, function(), looking), (8, 8))
+    with pytest.raises(LimitError, match="take more cells"):
+        renderer.render(
+            occluded(al.Volume(np.zeros((208, 208, 208), np.uint8)), function(), al.visibility.AmbientOcclusion(cells=8)),
+            (8, 8),
+        )
 
 
 def test_stage_of_a_look():

@@ -75,6 +75,11 @@ def test_pixels_outside_and_rays_that_nobody_knows(renderer):
             al.pick(image, drawn, pixel)
     with pytest.raises(al.ValueRangeError, match=r"pixel is \(3\.5, 2\), must be a whole column and row"):
         al.pick(image, drawn, (3.5, 2))
+    for pixel in (None, (1, 2, 3), 7, "ab"):
+        with pytest.raises(al.ValueRangeError, match=r"^pixel is "):
+            al.pick(image, drawn, pixel)
+    with pytest.raises(al.DataError, match=r"scene is a NoneType"):
+        al.pick(image, None, (3, 2))
     with pytest.raises(al.DataError, match=r"image is a Scene: pass what .* returned, then the scene"):
         al.pick(drawn, image, (3, 2))
     with pytest.raises(al.StageError, match="does not tell its rays"):

@@ -57,6 +57,17 @@ def test_lit_again_is_drawn_anew(any_renderer, camera, change):
         assert np.abs(again.rgba - image.rgba).max() > 0.05
 
 
+def test_an_unlit_picture_is_lit_again(any_renderer):
+    """Nothing asks for gradients while it is drawn, light will."""
+    unlit, lit = iso(shade="none"), iso()
+    image = any_renderer.render(unlit, SIZE, keep_hits=True)
+    assert np.array_equal(image.rgba, any_renderer.render(unlit, SIZE).rgba)
+    again, anew = any_renderer.relight(image, lit), any_renderer.render(lit, SIZE, keep_hits=True)
+    assert np.abs(again.rgba - anew.rgba).max() < 2e-4
+    assert np.abs(image.normal - anew.normal).max() < 1e-4
+    assert np.abs(again.rgba - image.rgba).max() > 0.05
+
+
 def test_keeping_changes_nothing(any_renderer):
     plain, kept = (any_renderer.render(iso(), SIZE, keep_hits=keep) for keep in (False, True))
     assert np.array_equal(plain.rgba, kept.rgba)
@@ -98,9 +109,19 @@ def test_what_cannot_be_lit_again(renderer):
         renderer.relight(image, elsewhere)
     with pytest.raises(DataError, match="integrate"):
         renderer.relight(image, changed(drawn, integrate=al.integrate.FirstHit(iso=61.0)))
+    with pytest.raises(DataError, match="gradient"):
+        renderer.relight(image, changed(drawn, gradient="sobel"))
+    with pytest.raises(DataError, match="scene has 0 visible layers"):
+        renderer.relight(image, replace(drawn, layers=[replace(drawn.layers[0], visible=False)]))
+    with pytest.raises(DataError, match="scene is a str"):
+        renderer.relight(image, "x")
+    with pytest.raises(DataError, match="image is a NoneType"):
+        renderer.relight(None, drawn)
     with pytest.raises(DataError, match="keep_hits"):
         renderer.relight(renderer.render(drawn, SIZE), drawn)
     with pytest.raises(DataError, match="kept"):
         _ = renderer.render(drawn, SIZE).normal
     with pytest.raises(StageError, match="first_hit"):
         renderer.render(scene(), SIZE, keep_hits=True)
+    with pytest.raises(StageError, match="use shade='none'"):
+        renderer.relight(image, changed(drawn, lighting="unlit"))

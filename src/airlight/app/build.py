@@ -34,7 +34,7 @@ from .parse import (
     parse_transfer,
 )
 from .progress import ProgressBar
-from .surroundings import BACKGROUND, environment_of, lit_by, seen_behind
+from .surroundings import BACKGROUND, check_lights, environment_of, lit_by, seen_behind
 
 SIZE = (512, 512)
 PROJECTIONS = ("mip", "minip", "mean", "attenuated_mip", "depth_shaded_mip", "local_mip")
@@ -130,9 +130,8 @@ def make_job(
     scene = dataclasses.replace(scene, layers=layers, **changes)
     if view.background == BACKGROUND:
         scene = dataclasses.replace(scene, background=seen_behind(scene, environment))
-    elif environment is not None and not any(getattr(layer.look.shade, "environment", None) for layer in layers):
-        remedy = "leave it out, or add --background environment"
-        raise ValueRangeError("--environment", f"lights nothing, --shade is {look.shade}", remedy)
+    elif environment is not None:
+        check_lights(layers, look.shade)
     return Job(orthographic(scene, size) if view.orthographic else scene, size, arguments)
 
 
@@ -225,7 +224,7 @@ def _with_boundaries(layer: Layer, kind: str, progress: ProgressBar | None) -> L
 def _with_surfaces(layer: Layer, surfaces: tuple[Surface, ...], alone: bool) -> Layer:
     """Return the layer with surfaces beside its function, or in the place of a function that was chosen from the data."""
     way = layer.look.integrate
-    if way.name != "emission_absorption" and getattr(way, "iso", None) is None:
+    if not getattr(way, "classifies", True) and getattr(way, "iso", None) is None:
         value = f"{surfaces[0].value:g}"
         remedy = f"name its value: --integrate first_hit:iso={value}" if way.name == "first_hit" else "leave one out"
         raise ValueRangeError("--iso", f"is given, and --integrate {way.name} draws no surfaces", remedy)

@@ -79,7 +79,7 @@ def render(
     """
     check_output(output)
     if normals is not None:
-        check_output(normals, NORMAL_ENDINGS)
+        check_normals(normals, output)
     with ProgressBar() as progress:
         job = make_job(
             input,
@@ -145,22 +145,44 @@ def check_output(output: str, endings: tuple[str, ...] = ENDINGS) -> None:
             raise FileError("-o -", "would write a PNG file to the terminal", "name a file, or pipe it on")
         return
     path = Path(output)
+    if path.is_dir():
+        raise FileError(output, "is a folder", "name a file in it")
     if path.suffix.lower() not in endings:
         raise FileError(output, "has no ending that says what to write", f"use one of {', '.join(endings)}, or -")
     if not path.absolute().parent.is_dir():
         raise FileError(output, "cannot be written, its folder is not there", f"make {path.parent}")
 
 
-def write_normals(normal: np.ndarray[Any, Any], path: Path) -> None:
-    """Write normals as they are (.npy), or as colours (.png): -1 to 1 becomes 0 to 255, nothing is black."""
-    with replacing(path) as temporary:
-        if path.suffix.lower() == ".npy":
-            np.save(temporary, normal, allow_pickle=False)
-            return
-        from PIL import Image as Pillow
+def check_normals(normals: str, output: str) -> None:
+    """Refuse normals that could not be written, or would take the place of the picture."""
+    if normals == "-":
+        raise FileError("--normals -", "cannot go to standard output", "name a file")
+    check_output(normals, NORMAL_ENDINGS)
+    if output != "-" and Path(normals).resolve() == Path(output).resolve():
+        raise FileError(f"--normals {normals}", "is the file of the picture, too", "name another")
 
-        colours = np.where(normal.any(axis=-1, keepdims=True), 127.5 * (1 + normal) + 0.5, 0.0)
-        Pillow.fromarray(colours.astype(np.uint8)).save(temporary, "png")
+
+def write_normals(normal: np.ndarray[Any, Any], path: Path) -> None:
+    """Write normals as they are (.npy), or as colours (.png): -1 to 1 becomes 0 to 255, nothing is black.
+
+    Raises
+    ------
+    FileError
+        When they cannot be written.
+    """
+    try:
+        with replacing(path) as temporary:
+            if path.suffix.lower() == ".npy":
+                np.save(temporary, normal, allow_pickle=False)
+                return
+            from PIL import Image as Pillow
+
+            colours = np.where(normal.any(axis=-1, keepdims=True), 127.5 * (1 + normal) + 0.5, 0.0)
+            Pillow.fromarray(colours.astype(np.uint8)).save(temporary, "png")
+    except FileError:
+        raise
+    except OSError as error:
+        raise FileError(str(path), f"cannot be written ({error.strerror})") from error
 
 
 def write_stats(stats: dict[str, Any], target: str) -> None:

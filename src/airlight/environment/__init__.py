@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from .value import BUILT_IN, Environment
+from .value import BUILT_IN, Environment, Opener
 
-__all__ = ["BUILT_IN", "Environment"]
+__all__ = ["BUILT_IN", "Environment", "Opener"]

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from ..errors import DataError
 from ..volume import FloatArray
+from .pixels import pixels_in
 from .sphere import averaged
 
 # Direction of a face's middle, and of its right and upper edge.
@@ -30,12 +31,14 @@ def equirectangular(faces: Mapping[str, npt.ArrayLike]) -> npt.NDArray[np.float3
     DataError
         When faces are missing, unknown or do not have one size.
     """
+    if not isinstance(faces, Mapping):
+        raise DataError("environment.faces", f"are a {type(faces).__name__}", f"give a dict of {', '.join(FACES)}")
     if set(faces) != set(FACES):
-        raise DataError("environment.faces", f"are {', '.join(sorted(faces)) or 'none'}", f"give {', '.join(FACES)}")
-    pictures = {name: np.asarray(face, dtype=np.float64) for name, face in faces.items()}
-    n = pictures["+x"].shape[0]
+        raise DataError("environment.faces", f"are {', '.join(sorted(map(str, faces))) or 'none'}", f"give {', '.join(FACES)}")
+    pictures = {name: pixels_in(face, f"environment.faces {name}", np.float64) for name, face in faces.items()}
+    n = len(pictures["+x"]) if pictures["+x"].ndim else 0
     for name, face in pictures.items():
-        if face.ndim != 3 or face.shape[:2] != (n, n) or face.shape[2] not in (3, 4):
+        if face.ndim != 3 or n < 1 or face.shape[:2] != (n, n) or face.shape[2] not in (3, 4):
             raise DataError(f"environment.faces {name}", f"has shape {face.shape}", "give squares (n, n, 3) of one size")
 
     def radiance(directions: FloatArray) -> FloatArray:

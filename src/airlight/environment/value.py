@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,9 +14,12 @@ import numpy.typing as npt
 
 from ..errors import DataError, ValueRangeError
 from ..transfer.colour import Colour, linear_rgb
-from ..transfer.given import finite
+from ..transfer.given import finite, listed
 from ..volume import FloatArray
+from .pixels import pixels_in
 from .sources import Picture, Sky, Source, Studio, Vector, White
+
+Opener = Callable[[str], "Environment"]  # of a picture in a file
 
 BUILT_IN: dict[str, type[White | Sky | Studio]] = {"white": White, "sky": Sky, "studio": Studio}
 
@@ -40,7 +43,10 @@ class Environment:
     turn: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        """Check the turn."""
+        """Check the source and the turn."""
+        if not callable(getattr(self.source, "picture", None)):
+            remedy = "use Environment.studio, sky, white, open, from_picture or from_faces"
+            raise DataError("environment.source", f"is {self.source!r}, no source of light", remedy)
         if np.shape(self.turn) != (3,):
             raise ValueRangeError("environment.turn", f"is {self.turn!r}", "give three numbers: the axis times radians")
         x, y, z = (finite(c, "environment.turn") for c in self.turn)
@@ -97,7 +103,7 @@ class Environment:
         DataError
             For other shapes, and radiance that is negative, no number, or above 1e9.
         """
-        return Environment(Picture(np.asarray(pixels)))
+        return Environment(Picture(pixels_in(pixels, "environment")))
 
     @staticmethod
     def from_faces(faces: Mapping[str, npt.ArrayLike]) -> Environment:
@@ -116,8 +122,17 @@ class Environment:
         return Environment(Picture(equirectangular(faces)))
 
     @staticmethod
-    def open(path: str | os.PathLike[str]) -> Environment:
+    def open(path: str | os.PathLike[str], *, max_memory: int = 2 << 30, untrusted: bool = False) -> Environment:
         """Return the environment of an equirectangular picture in a ``.hdr``, ``.exr`` or ``.npy`` file.
+
+        Parameters
+        ----------
+        path
+            The file.
+        max_memory
+            Bytes that its pixels may take as float32.
+        untrusted
+            Read in a process of its own with limits on memory and time.
 
         Raises
         ------
@@ -127,10 +142,22 @@ class Environment:
             For ``.hdr`` without imagecodecs and ``.exr`` without OpenEXR.
         DataError
             When the picture is not equirectangular, or its radiance is negative or no number.
+        LimitError
+            For more than ``max_memory``, and more than 2^27 pixels.
         """
         from .reading import read_picture
 
-        return Environment(Picture(read_picture(Path(path)), os.path.abspath(path)))
+        if not isinstance(path, (str, os.PathLike)):
+            raise DataError("environment.open.path", f"is {path!r}", "name a .hdr, .exr or .npy file")
+        place = Path(path)
+        if untrusted:
+            from ..io.options import ReadOptions
+            from ..io.untrusted import read_untrusted_picture
+
+            pixels = read_untrusted_picture(place, ReadOptions(max_bytes=max_memory))
+        else:
+            pixels = read_picture(place, max_memory)
+        return Environment(Picture(pixels, os.path.abspath(place)))
 
     def turned(self, angle_rad: float, axis: Vector = (0.0, 0.0, 1.0)) -> Environment:
         """Return it turned about a world axis, counterclockwise as seen against the axis; its maps stay as they are.
@@ -148,10 +175,12 @@ class Environment:
             When the angle is not finite or the axis no direction.
         """
         angle = finite(angle_rad, "environment.turned.angle_rad")
-        length = float(np.linalg.norm(axis)) if np.shape(axis) == (3,) else 0.0
+        parts = listed(axis, "environment.turned.axis", "give a direction of three numbers")
+        direction = np.array([finite(c, "environment.turned.axis") for c in parts])
+        length = float(np.linalg.norm(direction)) if direction.shape == (3,) else 0.0
         if not (math.isfinite(length) and length > 0):
             raise ValueRangeError("environment.turned.axis", f"is {axis!r}, must be a finite direction")
-        x, y, z = rotation_vector(rotation_matrix(np.asarray(axis) * (angle / length)) @ rotation_matrix(np.asarray(self.turn)))
+        x, y, z = rotation_vector(rotation_matrix(direction * (angle / length)) @ rotation_matrix(np.asarray(self.turn)))
         return replace(self, turn=(x, y, z))
 
     def __repr__(self) -> str:
@@ -185,13 +214,13 @@ class Environment:
         return {"kind": self.source.kind} | self.source.to_dict() | turn
 
     @staticmethod
-    def named(text: str) -> Environment:
-        """Return a built-in environment by its name, or that of a picture in a file."""
-        return Environment(BUILT_IN[text]()) if text in BUILT_IN else Environment.open(text)
+    def named(text: str, opened: Opener | None = None) -> Environment:
+        """Return a built-in environment by its name, or that of a picture in a file, which ``opened`` opens."""
+        return Environment(BUILT_IN[text]()) if text in BUILT_IN else (opened or Environment.open)(text)
 
     @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> Environment:
-        """Return the environment of plain data: a ``kind`` with its parameters, or a ``file``.
+    def from_dict(data: Mapping[str, Any], opened: Opener | None = None) -> Environment:
+        """Return the environment of plain data: a ``kind`` with its parameters, or a ``file``, which ``opened`` opens.
 
         Raises
         ------
@@ -214,7 +243,7 @@ class Environment:
             return Environment(BUILT_IN[kind](**plain), turn)
         if not isinstance(values.get("file"), str):
             raise DataError("environment.file", "is missing", "name a .hdr, .exr or .npy file")
-        return replace(Environment.open(values["file"]), turn=turn)
+        return replace((opened or Environment.open)(values["file"]), turn=turn)
 
 
 def rotation_matrix(turn: FloatArray) -> FloatArray:

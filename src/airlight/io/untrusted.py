@@ -21,7 +21,7 @@ import numpy as np
 
 from .. import errors
 from ..errors import AirlightError, FileError, LimitError
-from ..volume import Source, Volume
+from ..volume import AnyArray, Source, Volume
 from .options import ReadOptions
 from .samples import byte_count, check_kind, load
 
@@ -32,10 +32,23 @@ TRAITS = ("units", "value_unit", "channel_names", "times", "time_unit", "no_data
 
 def read_untrusted(path: Path, options: ReadOptions, time_limit_s: float = TIME_LIMIT_S) -> Volume:
     """Volume in a file of unknown origin; a crash, a hang or a hunger for memory ends as an error."""
+    array, found = _in_child("volume", path, options, time_limit_s)
+    source = Source(str(path), found["dataset"], found["level"], tuple((str(k), str(v)) for k, v in found["recipe"]))
+    traits = {key: found[key] for key in TRAITS}
+    return Volume(array, world_from_index=np.array(found["world_from_index"]), source=source, **traits)
+
+
+def read_untrusted_picture(path: Path, options: ReadOptions, time_limit_s: float = TIME_LIMIT_S) -> AnyArray:
+    """Pixels of an environment's picture of unknown origin, as ``environment.reading`` has them."""
+    return _in_child("picture", path, options, time_limit_s)[0]
+
+
+def _in_child(kind: str, path: Path, options: ReadOptions, time_limit_s: float) -> tuple[AnyArray, dict[str, Any]]:
+    """Return the samples, and what else the child found."""
     options.progress(f"reading {path.name} in a process of its own", 0, 0)
     wishes = {key: value for key, value in asdict(replace(options, progress=_quiet)).items() if key != "progress"}
     with tempfile.TemporaryDirectory(prefix="airlight-") as folder:
-        orders = {"path": str(path.absolute()), "folder": folder, "options": wishes, "time_limit_s": time_limit_s}
+        orders = {"kind": kind, "path": str(path.absolute()), "folder": folder, "options": wishes, "time_limit_s": time_limit_s}
         environment = {
             **os.environ,
             "PYTHONPATH": os.pathsep.join(part for part in sys.path if part),
@@ -65,7 +78,7 @@ def _too_slow(path: Path, time_limit_s: float) -> FileError:
     return FileError(str(path), f"took longer than {time_limit_s:.0f} s to read", "it is damaged, hostile or very large")
 
 
-def _collect(path: Path, folder: Path, options: ReadOptions, code: int, time_limit_s: float) -> Volume:
+def _collect(path: Path, folder: Path, options: ReadOptions, code: int, time_limit_s: float) -> tuple[AnyArray, dict[str, Any]]:
     report = folder / "report.json"
     if not report.exists():
         name = signal.Signals(-code).name if code < 0 else ""
@@ -83,16 +96,14 @@ def _collect(path: Path, folder: Path, options: ReadOptions, code: int, time_lim
     dtype, shape = np.dtype(str(found["dtype"])), tuple(int(n) for n in found["shape"])
     check_kind(str(path), dtype)
     byte_count(str(path), dtype, shape, options)
-    array = load(folder / "samples", dtype, shape, options)
-    source = Source(str(path), found["dataset"], found["level"], tuple((str(k), str(v)) for k, v in found["recipe"]))
-    traits = {key: found[key] for key in TRAITS}
-    return Volume(array, world_from_index=np.array(found["world_from_index"]), source=source, **traits)
+    return load(folder / "samples", dtype, shape, options), found
 
 
 # -- the child
 
 
 def _serve(orders: dict[str, Any]) -> None:
+    from ..environment.reading import read_picture
     from . import read_trusted
 
     options = orders["options"]
@@ -101,8 +112,12 @@ def _serve(orders: dict[str, Any]) -> None:
     folder = Path(orders["folder"])
     try:
         _limit(options["max_bytes"], orders["time_limit_s"])
-        volume = read_trusted(Path(orders["path"]), ReadOptions(**options))
-        _leave(volume, folder)
+        path, choices = Path(orders["path"]), ReadOptions(**options)
+        if orders["kind"] == "picture":
+            _leave_array(read_picture(path, choices.max_bytes), folder, {})
+        else:
+            volume = read_trusted(path, choices)
+            _leave_array(volume.array, folder, _found(volume))
     except AirlightError as error:
         _report(folder, {"error": type(error).__name__, "parts": [error.where, error.what, error.remedy]})
     except MemoryError:
@@ -128,21 +143,23 @@ def _limit(max_bytes: int, time_limit_s: float) -> None:
     signal.setitimer(signal.ITIMER_REAL, time_limit_s)
 
 
-def _leave(volume: Volume, folder: Path) -> None:
-    array = volume.array
+def _leave_array(array: AnyArray, folder: Path, found: dict[str, Any]) -> None:
     with (folder / "samples").open("wb") as file:
         for part in array.reshape(-1, *array.shape[-2:]) if array.flags.c_contiguous else array:
             np.ascontiguousarray(part).tofile(file)
+    _report(folder, {"dtype": array.dtype.str, "shape": array.shape} | found)
+
+
+def _found(volume: Volume) -> dict[str, Any]:
+    """What the report says of a volume beside its samples."""
     source = volume.source or Source("")
     found = {
-        "dtype": array.dtype.str,
-        "shape": array.shape,
         "world_from_index": volume.world_from_index.tolist(),
         "dataset": source.dataset,
         "level": source.level,
         "recipe": source.options,
     }
-    _report(folder, found | {key: getattr(volume, key) for key in TRAITS})
+    return found | {key: getattr(volume, key) for key in TRAITS}
 
 
 def _report(folder: Path, found: dict[str, Any]) -> None:

@@ -10,20 +10,24 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from ..keeping import Kept
 from ..volume import Volume
 
 POLE = math.sqrt(3) - 2
 REACH = 32  # samples after which the impulse response of a pole is below the rounding error of float64
 CHUNK_BYTES = 8 << 20
+KEPT_GRIDS = 4  # of a volume, each as large as a channel
 
 
 def coefficients(volume: Volume, channel: int, time: int) -> Volume:
-    """Volume of the coefficients of one channel, float32, on the same grid; kept for the life of its volume."""
-    kept: dict[tuple[int, int], Volume] = volume.__dict__.setdefault("_coefficients", {})
-    if (channel, time) not in kept:
+    """Volume of the coefficients of one channel, float32, on the same grid; a volume keeps the last four."""
+
+    def make() -> Volume:
         grid = volume.grid(channel, time)
-        kept[channel, time] = Volume(prefiltered(grid), world_from_index=volume.world_from_index, units=volume.units)
-    return kept[channel, time]
+        return Volume(prefiltered(grid), world_from_index=volume.world_from_index, units=volume.units)
+
+    kept: Kept[tuple[int, int], Volume] = volume.__dict__.setdefault("_coefficients", Kept(KEPT_GRIDS))
+    return kept.get((channel, time), make)
 
 
 def prefiltered(grid: npt.NDArray[np.generic]) -> npt.NDArray[np.float32]:

@@ -52,7 +52,7 @@ def seen_from(setup: Setup, depth: FloatArray, p_cell: FloatArray) -> FloatArray
     """Transmittance from points (n, 3), in cells, averaged over directions all round."""
     stage, volume, side, block = setup.stages["visibility"], setup.layer.volume, cell_side(setup), block_of(setup)
     sides = np.array(volume.size) * volume.spacing
-    radius = 0.15 * np.linalg.norm(sides) if stage.radius is None else stage.radius
+    radius = max(0.15 * float(np.linalg.norm(sides)), 2 * side) if stage.radius is None else float(stage.radius)
     # Walk in even steps of at most a side, from one side away up to the radius, and take the middle of each.
     steps = max(1, math.ceil((radius - side) / side))
     step = (radius - side) / steps

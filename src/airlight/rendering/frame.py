@@ -55,7 +55,7 @@ class Request:
         if self.skip not in SKIPS:
             raise ValueRangeError("skip", f"is {self.skip!r}, must be one of {', '.join(SKIPS)}")
         if self.skip in ("blocks", "geometry"):
-            raise ValueRangeError("skip", f"{self.skip!r} is not built yet", "use auto or none; the image is the same")
+            raise ValueRangeError("skip", f"{self.skip!r} cannot be asked for yet", "use auto or none; the image is the same")
 
 
 def draw(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> Image:
@@ -80,11 +80,17 @@ def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None
     Raises
     ------
     DataError
-        When the image has kept no surfaces, or those of the scene are others.
+        When the image is none or has kept no surfaces, or those of the scene are others.
     """
     start = time.perf_counter()
+    if not isinstance(image, Image):
+        raise DataError("image", f"is a {type(image).__name__}", "pass what airlight.render returned, then the scene")
+    if not isinstance(scene, Scene):
+        raise DataError("scene", f"is a {type(scene).__name__}", "pass an airlight.Scene")
     if image.hits is None:
         raise DataError("image", "has kept no surfaces", "render it with keep_hits=True")
+    if len(scene.visible_layers) != 1:
+        raise DataError("scene", f"has {len(scene.visible_layers)} visible layers, and the image shows one", "render it")
     scene = resolve(scene, image.size)
     check_same(image.hits, scene, image.size)
     device.kept.begin_frame()
@@ -119,7 +125,8 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
             "scene.layers", f"has {len(visible)} visible layers; this version draws one at a time", "hide the others"
         )
     step_world = request.step * min(min(layer.volume.spacing) for layer in visible)
-    layers = tuple(drawn_layer(layer, step_world, request.size_px, request.skip != "none", scene.camera) for layer in visible)
+    skips, keeps = request.skip != "none", request.keep_hits
+    layers = tuple(drawn_layer(layer, step_world, request.size_px, skips, scene.camera, keeps) for layer in visible)
     stages = visible[0].look.stages()
     anchor_world = chosen_anchor(layers[0])
     camera, t_offset_world = near_camera(scene.camera, anchor_world, layers[0], step_world)  # type: ignore[arg-type]
@@ -146,10 +153,13 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
     return frame
 
 
-def drawn_layer(layer: Layer, step_world: float, size_px: tuple[int, int], skips: bool, camera: Any = None) -> DrawnLayer:
+def drawn_layer(
+    layer: Layer, step_world: float, size_px: tuple[int, int], skips: bool, camera: Any = None, keeps_hits: bool = False
+) -> DrawnLayer:
     """Give a layer its stages and their resources; a volume with empty samples gets the field that keeps them apart.
 
-    Where surfaces alone are drawn, and space may be skipped, the field knows how far to leap over blocks without one.
+    Where surfaces alone are drawn, and space may be skipped, the field knows how far to leap over blocks without one. Surfaces
+    that are kept have gradients although nothing may be lit.
     """
     assert layer.transfer is not None
     for channel in layer.channels:
@@ -161,7 +171,7 @@ def drawn_layer(layer: Layer, step_world: float, size_px: tuple[int, int], skips
                 "scale it, e.g. volume / 1e30, and the transfer function with it",
             )
     context = Context(layer.volume, layer.function, layer.channels, layer.time, step_world, size_px, layer.labels, camera)
-    stages = {slot: stage for slot, stage in layer.stages().items() if SLOTS[slot].per_layer}
+    stages = {slot: stage for slot, stage in layer.stages(keeps_hits).items() if SLOTS[slot].per_layer}
     drawn = DrawnLayer(stages, context, {slot: stage.resources(context) for slot, stage in stages.items()})
     if skips and (leaps := block_leaps(drawn.field, layer.look.integrate, context)):
         resources = {**drawn.resources, "field": {**drawn.resources["field"], "leaps": leaps}}

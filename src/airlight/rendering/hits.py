@@ -66,6 +66,8 @@ def check_keeps(frame: MarchFrame) -> None:
         lighting = layer.stages["lighting"]
         if layer.field.groups(layer.context):
             raise StageError(f"look.field {layer.field.name!r}", "has several numbers at a surface", "draw one channel")
+        if lighting.name == "unlit" and getattr(layer.stages["shade"], "lit", True):
+            raise StageError("look.lighting 'unlit'", "leaves out the light of a stage that has some", "use shade='none'")
         if lighting.name not in LIT_AT_POINTS:
             raise StageError(f"look.lighting {lighting.name!r}", "cannot light what was kept", "use sampled")
 
@@ -79,12 +81,13 @@ def check_same(hits: Hits, scene: Scene, size_px: tuple[int, int]) -> None:
         Names what is another.
     """
     (one,), (other,) = hits.scene.visible_layers, scene.visible_layers
+    drawn, asked = (layer.stages(keeps_gradient=True) for layer in (one, other))
     others = {
         "camera": hits.scene.camera != scene.camera,
         "volume": one.volume is not other.volume,
         "labels": one.labels != other.labels,
         "time or channel": (one.time, one.channels) != (other.time, other.channels),
-        **{slot: getattr(one.look, slot) != getattr(other.look, slot) for slot in ("field", "gradient", "integrate")},
+        **{slot: drawn[slot] != asked[slot] for slot in ("field", "gradient", "integrate")},
     }
     iso = getattr(one.look.integrate, "iso", None)
     if iso is None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import LimitError
 from ..gpu import compute, gradients, textures
 from ..gpu.device import Device
 from ..shader.program import FrameUniforms, OcclusionUniforms, ProgramKey, SliceUniforms, Switches, build_program, stage_key
@@ -17,12 +18,15 @@ from .resources import DrawnLayer, bound_resources, pack_uniforms, uniform_value
 CLASSIFYING = ("field", "gradient", "transfer", "region")
 VOXELS_AT_ONCE = 1 << 19
 LOOKS_AT_ONCE = 1 << 22
+MOST_TURNS = 60_000
+TURNS_PER_VOXEL = 4
 
 
 def openness_texture(
     device: Device, resource: OpennessGrid, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress
 ) -> Any:
     """Texture of openness by cells."""
+    check_turns(device, resource, layer.context.volume)
     context = layer.context
     stages = tuple(layer.stages[slot] for slot in CLASSIFYING if slot in layer.stages)
     region = layer.resources["region"].values()
@@ -32,6 +36,25 @@ def openness_texture(
     return device.kept.get(
         ("openness", *made_of), lambda: _made(device, resource, layer, anchor_world, progress), context.volume, *labels
     )
+
+
+def check_turns(device: Device, resource: OpennessGrid, volume: Volume) -> None:
+    """Refuse what the software device, which ends all loops of a thread after so many turns, would cut short unsaid.
+
+    Raises
+    ------
+    LimitError
+        With the parameter that is too large.
+    """
+    if device.info.kind != "software":
+        return
+    looks = resource.directions * occlusion_uniforms(resource, volume).steps
+    voxels = TURNS_PER_VOXEL * math.prod(resource.block)
+    where = "look.visibility.ambient_occlusion"
+    if looks > MOST_TURNS:
+        raise LimitError(where, f"takes {looks} looks from a cell, at most {MOST_TURNS} here", "take fewer directions or cells")
+    if voxels > MOST_TURNS:
+        raise LimitError(where, f"has cells of {math.prod(resource.block)} voxels, too many here", "take more cells")
 
 
 def occlusion_uniforms(resource: OpennessGrid, volume: Volume) -> OcclusionUniforms:

@@ -9,7 +9,6 @@ from collections.abc import Callable, Hashable
 from concurrent.futures import Future
 from typing import Any
 
-from ..errors import ValueRangeError
 from ..gpu.device import Device, open_device
 from ..gpu.failure import device_failures
 from ..gpu.textures import Progress
@@ -17,6 +16,7 @@ from ..gpu.thread import Job, RenderThread, T
 from ..scene import Scene
 from ..shader.program import Program
 from ..stage import Stage, make_stage
+from ..transfer.given import whole
 from .frame import Request, draw, explain, relight
 from .image import Image
 from .warming import scenes_near
@@ -59,7 +59,7 @@ class Renderer:
     Raises
     ------
     ValueRangeError
-        When ``keep_bytes`` is negative.
+        When ``keep_bytes`` is no whole number, or negative.
     DeviceError
         At the first frame, when no adapter answers.
 
@@ -70,10 +70,8 @@ class Renderer:
     """
 
     def __init__(self, device: str | int | None = None, *, keep_bytes: int | None = None) -> None:
-        if keep_bytes is not None and keep_bytes < 0:
-            raise ValueRangeError("keep_bytes", f"is {keep_bytes}, must be at least 0")
         self._wanted = None if device is None else str(device)
-        self._keep_bytes = keep_bytes
+        self._keep_bytes = None if keep_bytes is None else whole(keep_bytes, "keep_bytes", 0)
         self._held = _Held()
         self._thread = RenderThread(idle=self._held.tidy)
         # Whoever forgets to close a renderer does not keep its thread and device for ever.

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Any, TypedDict, get_args, get_origin
 
+from ..environment import Environment, Opener
 from ..environment.reading import ENDINGS
 from ..stage import Stage
 from .table import Table
@@ -80,8 +81,8 @@ def placed(value: Any, table: Table) -> Any:
     return value
 
 
-def stage_in(table: Table, key: str, slot: str) -> Stage:
-    """Stage that a table names, with its parameters."""
+def stage_in(table: Table, key: str, slot: str, opened: Opener = Environment.open) -> Stage:
+    """Stage that a table names, with its parameters; ``opened`` opens pictures of environments."""
     table.taken.add(key)
     value = table.data[key]
     if not isinstance(value, (str, dict)) or (isinstance(value, dict) and not isinstance(value.get("name"), str)):
@@ -91,4 +92,4 @@ def stage_in(table: Table, key: str, slot: str) -> Stage:
     name, values = (value, {}) if isinstance(value, str) else (value["name"], {k: v for k, v in value.items() if k != "name"})
     values = {key: placed(value, table) for key, value in values.items()}
     with table.located(key):
-        return stage_from_values(slot, name, values, slot)
+        return stage_from_values(slot, name, values, slot, opened)

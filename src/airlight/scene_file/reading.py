@@ -9,7 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..environment import Environment
+from ..environment import Environment, Opener
+from ..errors import FileError
 from ..labels import Labels
 from ..scene import VIEWS, Camera, Layer, Light, Look, Scene
 from ..transfer import Channels, TransferFunction
@@ -66,12 +67,18 @@ def load_scene(
                 opened[key] = open_volume(file, **recipe, **limits)
         return opened[key]
 
+    def picture(file: str) -> Environment:
+        """Picture of an environment; a scene of unknown origin names none beyond its own folder."""
+        if untrusted and not Path(file).resolve().is_relative_to(folder.resolve()):
+            raise FileError(file, "lies outside of the folder of an untrusted scene", "move it beside the scene")
+        return Environment.open(file, untrusted=untrusted, **({} if max_memory is None else {"max_memory": max_memory}))
+
     version = root.take("format", int, FORMAT)
     if version != FORMAT:
         raise root.error("format", f"is {version}, this version reads {FORMAT}", "use a newer airlight")
-    background = _background(root)
+    background = _background(root, picture)
     lights = [_light(table) for table in root.tables("lights")] if "lights" in root.data else None
-    layers = [_layer(table, volume) for table in root.tables("layers")]
+    layers = [_layer(table, volume, picture) for table in root.tables("layers")]
     camera = _camera(root)
     options = checked_options(root.table("render"))
     root.close()
@@ -85,10 +92,10 @@ def load_transfer(path: str | Path) -> AnyFunction:
     return _transfer(parsed(path))
 
 
-def _layer(table: Table, volume: Callable[[Table], Volume]) -> Layer:
+def _layer(table: Table, volume: Callable[[Table], Volume], picture: Opener) -> Layer:
     image, labels = _volume(table, "volume", volume), _labels(table, volume)
     look = table.table("look")
-    chosen = {slot: stage_in(look, slot, slot) for slot in Look.__dataclass_fields__ if slot in look.data}
+    chosen = {slot: stage_in(look, slot, slot, picture) for slot in Look.__dataclass_fields__ if slot in look.data}
     look.taken |= set(Look.__dataclass_fields__)
     look.close()
     function = _transfer(table.table("transfer")) if "transfer" in table.data else None
@@ -137,12 +144,12 @@ def _transfer(table: Table) -> AnyFunction:
         return function
 
 
-def _background(root: Table) -> Environment | Colour | None:
+def _background(root: Table, picture: Opener) -> Environment | Colour | None:
     """Colour, an environment in a table, or none."""
     if isinstance(root.data.get("background"), dict):
         root.taken.add("background")
         with root.located("background"):
-            return Environment.from_dict(placed(root.data["background"], root))
+            return Environment.from_dict(placed(root.data["background"], root), picture)
     colour: Colour = root.take("background", str | tuple[float, float, float], (0.0, 0.0, 0.0))
     return None if colour == "none" else colour
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from ..environment import Environment
+from ..environment import Environment, Opener
 from ..errors import ValueRangeError
 from ..stage import STAGES, Stage, stage_fields
 
@@ -19,11 +19,11 @@ ENVIRONMENT = 'studio, sky, white, the name of a picture, or a table like { kind
 # -- stages by name, with values for their parameters
 
 
-def stage_from_values(slot: str, name: str, values: Mapping[str, Any], where: str) -> Stage:
+def stage_from_values(slot: str, name: str, values: Mapping[str, Any], where: str, opened: Opener = Environment.open) -> Stage:
     """Return a stage made of plain values, each checked against the type of its parameter.
 
-    ``where`` is the prefix of parameter names in messages. None, or ``"none"`` where no word is allowed, leaves a parameter
-    to the stage.
+    ``where`` is the prefix of parameter names in messages; ``opened`` opens pictures of environments. None, or ``"none"``
+    where no word is allowed, leaves a parameter to the stage.
     """
     if name not in STAGES[slot]:
         known = ", ".join(sorted(STAGES[slot]))
@@ -38,19 +38,19 @@ def stage_from_values(slot: str, name: str, values: Mapping[str, Any], where: st
         if key not in fields:
             allowed = "it has " + (", ".join(fields) or "no parameters")
             raise ValueRangeError(f"{where}.{key}", f"is no parameter of {name}", allowed)
-        checked[key] = checked_value(value, hints[key], f"{where}.{key}")
+        checked[key] = checked_value(value, hints[key], f"{where}.{key}", opened)
     stage: Stage = cls(**checked)
     return stage
 
 
-def checked_value(value: Any, hint: Any, where: str) -> Any:
+def checked_value(value: Any, hint: Any, where: str, opened: Opener = Environment.open) -> Any:
     """``value`` as the type of an annotation; whole numbers pass as floats, lists as tuples, ``"none"`` as None."""
     kinds = _alternatives(hint)
     if type(None) in kinds and (value is None or (value == "none" and str not in kinds)):
         return None
     for kind in kinds:
         try:
-            return _as_kind(value, kind)
+            return _as_kind(value, kind, opened)
         except TypeError:
             continue
     raise ValueRangeError(where, f"is {value!r}, must be {' or '.join(describe_type(k) for k in kinds)}")
@@ -80,11 +80,11 @@ def _alternatives(hint: Any) -> tuple[Any, ...]:
     return (np.ndarray if origin is np.ndarray else hint,)
 
 
-def _as_kind(value: Any, kind: Any) -> Any:
+def _as_kind(value: Any, kind: Any, opened: Opener) -> Any:
     if kind is float and isinstance(value, (int, float)) and not isinstance(value, bool):
         return float(value)
     if kind is Environment and isinstance(value, (str, dict)):
-        return Environment.named(value) if isinstance(value, str) else Environment.from_dict(value)
+        return Environment.named(value, opened) if isinstance(value, str) else Environment.from_dict(value, opened)
     if kind is np.ndarray and isinstance(value, (list, tuple)):
         with contextlib.suppress(ValueError):
             return np.array(value, dtype=np.float64)
@@ -93,7 +93,7 @@ def _as_kind(value: Any, kind: Any) -> Any:
         parts = parts[:1] * len(value) if parts[-1] is Ellipsis else parts
         if len(parts) == len(value):
             with contextlib.suppress(ValueRangeError):
-                return tuple(checked_value(v, p, "") for v, p in zip(value, parts, strict=True))
+                return tuple(checked_value(v, p, "", opened) for v, p in zip(value, parts, strict=True))
     if (
         isinstance(kind, type)
         and kind is not float

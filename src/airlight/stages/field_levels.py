@@ -13,6 +13,7 @@ from .camera import Camera
 from .field import Field
 
 FREE_GRADIENTS = ("zero", "central", "sobel", "analytic")
+AT_VOXELS = (("lighting", "quantised"), ("visibility", "ambient_occlusion"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,4 +86,7 @@ class Levels(Field):
         if chosen["gradient"].name not in FREE_GRADIENTS:
             where = f"look.gradient {chosen['gradient'].name!r}"
             raise StageError(where, "is computed at the voxels and has no levels", "use central or analytic")
+        for slot, name in AT_VOXELS:
+            if slot in chosen and chosen[slot].name == name:
+                raise StageError(f"look.{slot} {name!r}", "is computed at the voxels and has no levels", "use the field linear")
         return super().arranged(chosen)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..errors import StageError
+from ..keeping import Kept
 from ..stage import (
     F32,
     U32,
@@ -26,6 +27,8 @@ from ..volume import FloatArray
 from .directions import DODECAHEDRON, angles_to, annealed, as_texels, dodecahedron, spiral, volume_normals
 from .field_channels import scalar_range
 from .shade import automatic_threshold
+
+KEPT_NORMALS = 8  # sets of a volume
 
 
 class Lighting(Stage):
@@ -162,22 +165,21 @@ class Quantised(Lighting):
         if self.directions == "dodecahedron" and self.count != DODECAHEDRON:
             found = f"is {self.count}, and the dodecahedron gives {DODECAHEDRON}"
             raise StageError("look.lighting.quantised.count", found, 'use directions="spiral" or "annealed" for other numbers')
-        known = context.volume.__dict__.setdefault("_normals", {})
-        key = (self, context.channels, context.time)
-        if key not in known:
-            known[key] = Table(as_texels(self._vectors(context)))
-        return known[key]  # type: ignore[no-any-return]
+        known: Kept[Any, Table] = context.volume.__dict__.setdefault("_normals", Kept(KEPT_NORMALS))
+        return known.get((self, context.channels, context.time), lambda: Table(as_texels(self._vectors(context))))
 
     def errors(self, context: Context) -> dict[str, float]:
         """Return angles of the volume's normals to the nearest direction, the mean square's root and the greatest of some."""
         table = self.normals(context)
-        known, key = context.volume.__dict__["_normals"], ("errors", self, context.channels, context.time)
-        if key not in known:
+
+        def make() -> dict[str, float]:
             others = volume_normals(context.volume, context.channels, context.time, self.seed + 1)
             angles_deg = angles_to(table.texels[0, 0, :, :3].astype(np.float64), others)
             rms, most = float(np.sqrt((angles_deg**2).mean())), float(angles_deg.max())
-            known[key] = {"angle rms [degree]": rms, "angle max [degree]": most}
-        return known[key]  # type: ignore[no-any-return]
+            return {"angle rms [degree]": rms, "angle max [degree]": most}
+
+        known: Kept[Any, dict[str, float]] = context.volume.__dict__.setdefault("_normal_errors", Kept(KEPT_NORMALS))
+        return known.get((self, context.channels, context.time), make)
 
     def check(self, camera: Stage, shade: Stage, visibility: Stage, lights: Iterable[str]) -> None:
         """Check that light depends on nothing but the direction of a normal; ``lights`` are kinds of lights.

@@ -48,7 +48,9 @@ class AmbientOcclusion(Stage):
     name: ClassVar[str] = "ambient_occlusion"
     wgsl: ClassVar[str] = "visibility/ambient_occlusion.wgsl"
     uniform_type: ClassVar[type] = AmbientOcclusionUniforms
-    radius: F32 | None = param(None, unit="world", above=0, help="how far one looks for what hides; None: 0.15 of the diagonal")
+    radius: F32 | None = param(
+        None, unit="world", above=0, help="how far one looks for what hides; None: 0.15 of the diagonal, at least two cells"
+    )
     directions: U32 = param(64, at_least=6, up_to=1024, help="number of directions, all round")
     cells: U32 = param(64, at_least=8, up_to=256, help="cells along the longest side")
 
@@ -62,7 +64,7 @@ class AmbientOcclusion(Stage):
         """
         block, cell_world = cells_of(context.volume, self.cells)
         sides = np.array(context.volume.size) * context.volume.spacing
-        radius = SHARE_OF_DIAGONAL * float(np.linalg.norm(sides)) if self.radius is None else self.radius
+        radius = max(SHARE_OF_DIAGONAL * float(np.linalg.norm(sides)), 2 * cell_world) if self.radius is None else self.radius
         if radius <= cell_world:
             what = f"is {radius:g}, and cells have {cell_world:g}"
             raise ValueRangeError("look.visibility.ambient_occlusion.radius", what, "look further, or take more cells")

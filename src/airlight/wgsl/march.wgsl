@@ -142,9 +142,9 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>, met: ptr<function, 
       front = select_sample(front, next, gaps.x);
       if (CLASSIFIES) { front_known = know(front); }
     }
-    let share = shown_surface(front, back);
-    if (share <= 1.0) {
-      *met = take_surface(&acc, ray, index_ray, front, back, share);
+    let shown = shown_surface(front, back);
+    if (shown.x <= 1.0) {
+      *met = take_surface(&acc, ray, index_ray, front, back, shown);
       ended = true;
       break;
     }
@@ -201,17 +201,18 @@ fn leapt(start: Way, t_leave: f32) -> Way {
   return way;
 }
 
-// The surface within a slab, where at least half of its region is drawn: opacity runs straight from end to end.
-fn shown_surface(front: Sample, back: Sample) -> f32 {
+// The surface within a slab, where at least half of its region is drawn: opacity runs straight from end to end. The share at which
+// it lies, and 1 where the field passes its value there, not the border of a region.
+fn shown_surface(front: Sample, back: Sample) -> vec2f {
   let share = surface(front, back);
-  if (share > 1.0) { return share; }
+  if (share > 1.0) { return vec2f(share, 0.0); }
   let opacity = vec2f(part_at(front.p_index).opacity, part_at(back.p_index).opacity);
-  if (mix(opacity.x, opacity.y, share) >= 0.5) { return share; }
-  if (opacity.y < 0.5) { return 2.0; }
+  if (mix(opacity.x, opacity.y, share) >= 0.5) { return vec2f(share, 1.0); }
+  if (opacity.y < 0.5) { return vec2f(2.0, 0.0); }
   let begin = (0.5 - opacity.x) / (opacity.y - opacity.x);
   var here = front;
   here.value = mix_values(front.value, back.value, begin);
-  return select(2.0, begin, surface(here, back) <= 0.0);
+  return vec2f(select(2.0, begin, surface(here, back) <= 0.0), 0.0);
 }
 
 fn select_sample(one: Sample, other: Sample, takes_other: bool) -> Sample {
@@ -223,11 +224,12 @@ const NO_SLAB = Slab(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0);
 
 // A surface inside a slab: the sample there, as a slab without length.
 fn take_surface(
-  acc: ptr<function, Accumulated>, ray: Ray, index_ray: IndexRay, front: Sample, back: Sample, share: f32,
+  acc: ptr<function, Accumulated>, ray: Ray, index_ray: IndexRay, front: Sample, back: Sample, shown: vec2f,
 ) -> vec2f {
+  let share = shown.x;
   var t_world = mix(front.t_world, back.t_world, share);
   // What a ray begins in, and what a region's border uncovers, lies where it lies.
-  let refines = REFINE > 0u && share > 0.0 && share == surface(front, back);
+  let refines = REFINE > 0u && share > 0.0 && shown.y > 0.0;
   if (refines) {
     let near = vec2f(front.t_world, scalar_of(front.value));
     let far = vec2f(back.t_world, scalar_of(back.value));

@@ -5,12 +5,12 @@ import package::ray::Ray;
 import package::sample::{Sample, Slab, Lit};
 import package::lighting::at_share::{gradient_at, lit_by_gradient};
 
-struct LitEnd { lit: Lit, steepness: f32 }
+struct LitEnd { lit: Lit }
 
 fn know_light(here: Sample, ray: Ray) -> LitEnd {
   var end = here;
   end.gradient = gradient_at(here);
-  return LitEnd(lit_by_gradient(end, ray), dot(end.gradient, end.gradient));
+  return LitEnd(lit_by_gradient(end, ray));
 }
 
 fn light_known(front: Sample, front_light: LitEnd, back: Sample, back_light: LitEnd, slab: Slab, ray: Ray) -> vec3f {
