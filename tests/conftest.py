@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import airlight as al
+from airlight.gpu.device import Device, choose
 
 settings.register_profile("ci", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("ci")
@@ -62,3 +63,22 @@ def _restore(core: str | None) -> None:
     os.environ.pop("AIRLIGHT_CORE", None)
     if core is not None:
         os.environ["AIRLIGHT_CORE"] = core
+
+
+@pytest.fixture(params=["full", "core"])
+def any_renderer(request, renderer, core_renderer):
+    return {"full": renderer, "core": core_renderer}[request.param]
+
+
+@pytest.fixture(scope="module")
+def device():
+    made = Device(*choose(), core=False)
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def core_device():
+    made = Device(*choose(), core=True)
+    yield made
+    made.close()

@@ -35,8 +35,9 @@ def replacing(path: Path, suffix: str = "") -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text file that appears whole or not at all.
+@contextlib.contextmanager
+def written(path: Path) -> Iterator[Path]:
+    """Like ``replacing``, with an error that names ``path`` where the system refuses.
 
     Raises
     ------
@@ -45,11 +46,23 @@ def write_text(path: Path, text: str) -> None:
     """
     try:
         with replacing(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+            yield temporary
     except FileError:
         raise
     except OSError as error:
         raise FileError(str(path), f"cannot be written ({error.strerror})") from error
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file that appears whole or not at all.
+
+    Raises
+    ------
+    FileError
+        When it cannot be written.
+    """
+    with written(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def write_table(path: Path, data: dict[str, Any], title: str = "") -> None:

@@ -33,6 +33,7 @@ from .volume import FloatArray, Volume, statistics
 Vector = tuple[float, float, float]
 
 ROUNDING = 1e-12  # of lengths of directions, which stay as they are
+VECTORS = {"head": "vector", "directional": "to_light", "point": "position"}  # what the vector of each kind of light is called
 
 __all__ = ["VIEWS", "Camera", "Layer", "Light", "Look", "Scene", "fit_camera"]
 
@@ -63,9 +64,9 @@ class Light:
 
     def __post_init__(self) -> None:
         """Check the values."""
-        if self.kind not in ("head", "directional", "point"):
-            raise ValueRangeError("light.kind", f"is {self.kind!r}, must be one of head, directional, point")
-        x, y, z = finite_numbers(self.vector, f"light.{self.kind}", 3)
+        if self.kind not in VECTORS:
+            raise ValueRangeError("light.kind", f"is {self.kind!r}, must be one of {', '.join(VECTORS)}")
+        x, y, z = finite_numbers(self.vector, f"light.{VECTORS[self.kind]}", 3)
         length = math.hypot(x, y, z)
         if self.kind == "directional" and not 0 < length < math.inf:
             raise ValueRangeError("light.to_light", f"is {self.vector!r}, must be a finite direction")
@@ -78,16 +79,12 @@ class Light:
     @staticmethod
     def head(*, color: Colour = (1.0, 1.0, 1.0), intensity: float = 1.0) -> Light:
         """Light that comes from the eye, along each ray."""
-        return Light("head", colour=linear_rgb(color, "light.color"), intensity=intensity)
+        return Light("head", colour=color, intensity=intensity)  # type: ignore[arg-type]  # colours and tuples are made there
 
     @staticmethod
     def directional(*, to_light: Vector, color: Colour = (1.0, 1.0, 1.0), intensity: float = 1.0) -> Light:
         """Light from far away; ``to_light`` is the world direction towards it."""
-        x, y, z = finite_numbers(to_light, "light.to_light", 3)
-        length = math.hypot(x, y, z)
-        if not 0 < length < math.inf:
-            raise ValueRangeError("light.to_light", f"is {to_light!r}, must be a finite direction")
-        return Light("directional", (x / length, y / length, z / length), linear_rgb(color, "light.color"), intensity)
+        return Light("directional", to_light, color, intensity)  # type: ignore[arg-type]
 
     @staticmethod
     def point(
@@ -98,8 +95,7 @@ class Light:
         radius: float | None = None,
     ) -> Light:
         """Light at a world position, without fall-off unless ``radius`` is given."""
-        x, y, z = finite_numbers(position, "light.position", 3)
-        return Light("point", (x, y, z), linear_rgb(color, "light.color"), intensity, radius)
+        return Light("point", position, color, intensity, radius)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from airlight.errors import LimitError
-from airlight.gpu.device import Device, choose
+from airlight.gpu.device import Device
 from airlight.gpu.slab_tables import make_slab_table
 from airlight.stage import SlabTable
 from airlight.transfer import TransferFunction
@@ -18,20 +18,6 @@ from airlight.transfer.cells import integral_to, value_axis
 from airlight.transfer.tables import LEAST_MOVE, slab_light
 
 NEAR = 1e-5
-
-
-@pytest.fixture(scope="module")
-def device():
-    made = Device(*choose(), core=False)
-    yield made
-    made.close()
-
-
-@pytest.fixture(scope="module")
-def core_device():
-    made = Device(*choose(), core=True)
-    yield made
-    made.close()
 
 
 def texels_of(device: Device, table: SlabTable) -> np.ndarray:

@@ -16,11 +16,6 @@ COLOURS = ["red", "lime", "blue", "yellow", "magenta", "cyan", "white", "orange"
 COUNTS = [1, 2, 4, 5, 16]
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 @cache
 def channels(count: int, dtype: str = "float32") -> al.Volume:
     """Smooth fields that overlap, each with another range of values."""

@@ -31,11 +31,6 @@ STAGES = [
 ]
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 @pytest.mark.parametrize("stage", STAGES, ids=["sky", "mirror", "metal", "turned", "faded"])
 def test_parity(renderer, stage):
     drawn = scene(shade=stage)

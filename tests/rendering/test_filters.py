@@ -12,7 +12,6 @@ from points import in_reference, inside, on_device, scene_of
 from scenes import rotation
 
 import airlight as al
-from airlight.gpu.device import Device, choose
 from airlight.reconstruction import kernels, spline
 from airlight.reconstruction.spline import prefiltered
 from airlight.stage import Context
@@ -44,20 +43,6 @@ NEAR = 1e-4  # of the field's range: what float formats must reach
 def name_of(stage) -> str:
     short = {k: v for k, v in vars(stage).items() if not isinstance(v, tuple)}
     return stage.name + "".join(f" {k}={v}" for k, v in short.items())
-
-
-@pytest.fixture(scope="module")
-def device():
-    made = Device(*choose(), core=False)
-    yield made
-    made.close()
-
-
-@pytest.fixture(scope="module")
-def core_device():
-    made = Device(*choose(), core=True)
-    yield made
-    made.close()
 
 
 def sheared(samples: np.ndarray) -> al.Volume:

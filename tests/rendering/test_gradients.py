@@ -27,11 +27,6 @@ FORMATS = [
 ]
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 @dataclass(frozen=True)
 class ShowGradient(Shade):
     """The gradient as colour, around one half: gradients of up to half a unit of ``scale`` fit."""

@@ -18,11 +18,6 @@ from airlight.stage import STAGES
 REFINES = ["none", "bisection", "secant", "exact"]
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 def at(iso: float, volume=None, camera="perspective", field="linear_exact", **look) -> al.Scene:
     return scene(volume, camera=camera, field=field, integrate=al.integrate.FirstHit(iso=iso), **look)
 

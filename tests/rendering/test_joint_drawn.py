@@ -46,11 +46,6 @@ FUNCTIONS = {"value and gradient": PLANE, "and second": SPACE, "associated": GLO
 WAYS = ("postclassified", "preintegrated")
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 def drawn_with(function, volume=None, camera="perspective", **look) -> al.Scene:
     base = scene(volume, camera, **look)
     return dataclasses.replace(base, layers=[dataclasses.replace(base.layers[0], transfer=function)])

@@ -16,11 +16,6 @@ GREATEST = 2**32 - 1
 CLEAR = al.integrate.EmissionAbsorption(opaque_at=1.0)
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 def parcels(dtype="uint8", ids=(0, 1, 2, 3, 5, 8, 13), size=(32, 36, 40), seed=4) -> np.ndarray:
     """Cells round random points, each with one of the labels."""
     rng = np.random.default_rng(seed)

@@ -13,24 +13,9 @@ from points import in_reference, inside, on_device, scene_of
 from test_filters import sheared
 
 import airlight as al
-from airlight.gpu.device import Device, choose
 from airlight.reconstruction.levels import coarser, level_sizes
 
 HAZE = al.TransferFunction([(0, "black", 0.01), (1, "white", 0.01)])
-
-
-@pytest.fixture(scope="module")
-def device():
-    made = Device(*choose(), core=False)
-    yield made
-    made.close()
-
-
-@pytest.fixture(scope="module")
-def core_device():
-    made = Device(*choose(), core=True)
-    yield made
-    made.close()
 
 
 def cameras(volume: al.Volume) -> list[al.Camera]:

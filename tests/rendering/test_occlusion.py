@@ -22,11 +22,6 @@ AMBIENT = al.shade.BlinnPhong(ambient=1.0, diffuse=0.0, specular=0.0)
 COARSE = al.visibility.AmbientOcclusion(cells=12, directions=24)
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 def occluded(volume: al.Volume, tf: al.TransferFunction, stage=COARSE, **changes) -> al.Scene:
     look = al.Look(shade=AMBIENT, visibility=stage, **changes)
     return al.Scene(volume, transfer=tf, look=look, camera="iso", background=None)

@@ -17,11 +17,6 @@ ORDERS = ({"field": "preclassified"}, {"transfer": "postclassified"}, {"transfer
 STRAIGHT, CURVED = (al.driver.March(curved=curved) for curved in (False, True))
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 def holed() -> al.Volume:
     array = blobs().array.copy()
     array[10:25, 12:20, 8:22] = np.nan

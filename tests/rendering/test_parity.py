@@ -29,11 +29,6 @@ CHOICES = [
 TABLE_ERROR = 1 / 255  # tables are interpolated between entries
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 def compare(renderer: al.Renderer, drawn: al.Scene, step: float = 1.0, tolerance: float = TABLE_ERROR) -> None:
     image = renderer.render(drawn, SIZE, step=step)
     truth = reference.render(drawn, SIZE, step=step)

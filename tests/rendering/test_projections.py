@@ -22,11 +22,6 @@ WHITE = al.TransferFunction([(0, "white", 0), (1, "white", 1)])
 EXACT = {"field": "linear_exact"}
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 def compare(renderer, drawn: al.Scene, step: float = 1.0, scale: float = 1.0) -> np.ndarray:
     image, truth = renderer.render(drawn, SIZE, step=step), reference.render(drawn, SIZE, step=step)
     assert np.abs(image.rgba - truth.rgba).max() <= LEVEL / 4 * scale

@@ -21,11 +21,6 @@ FAR = [light for light in lights() if light.kind != "point"]
 Quantised = al.lighting.Quantised
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 def quantised(volume=None, camera="orthographic", lamps=FAR, lighting=Quantised(), **look) -> al.Scene:  # noqa: B008
     base = scene(volume, camera=camera, lighting=lighting, **look)
     return al.Scene(layers=base.layers, camera=base.camera, lights=lamps, background=None)

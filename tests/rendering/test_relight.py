@@ -14,11 +14,6 @@ from airlight.errors import DataError, StageError
 TWO_SIDES = al.TransferFunction.from_surfaces([al.Surface(60.0, "gold", back_colour="blue")])
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 def iso(camera="perspective", **look) -> al.Scene:
     return scene(camera=camera, field="linear_exact", integrate=al.integrate.FirstHit(iso=60.0), **look)
 

@@ -30,11 +30,6 @@ GLOW = al.TransferFunction(
 FUNCTIONS = {"one": ONE, "two": TWO, "ten": TEN, "in a medium": IN_MEDIUM, "at steps": STEP_THERE, "associated": GLOW}
 
 
-@pytest.fixture(params=["full", "core"])
-def any_renderer(request, renderer, core_renderer):
-    return {"full": renderer, "core": core_renderer}[request.param]
-
-
 def with_function(tf, volume=None, camera="perspective", field="linear_exact", **look) -> al.Scene:
     """The scene of all parity tests with another function; core devices filter no 32-bit floats, so the field is exact."""
     look["field"] = field

@@ -11,7 +11,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from ..errors import FileError
-from ..files import replacing, write_text
+from ..files import write_text, written
 from ..scene import VIEWS, Scene
 from ..volume import Volume, statistics
 from .build import is_scene, make_job
@@ -170,19 +170,14 @@ def write_normals(normal: np.ndarray[Any, Any], path: Path) -> None:
     FileError
         When they cannot be written.
     """
-    try:
-        with replacing(path) as temporary:
-            if path.suffix.lower() == ".npy":
-                np.save(temporary, normal, allow_pickle=False)
-                return
-            from PIL import Image as Pillow
+    with written(path) as temporary:
+        if path.suffix.lower() == ".npy":
+            np.save(temporary, normal, allow_pickle=False)
+            return
+        from PIL import Image as Pillow
 
-            colours = np.where(normal.any(axis=-1, keepdims=True), 127.5 * (1 + normal) + 0.5, 0.0)
-            Pillow.fromarray(colours.astype(np.uint8)).save(temporary, "png")
-    except FileError:
-        raise
-    except OSError as error:
-        raise FileError(str(path), f"cannot be written ({error.strerror})") from error
+        colours = np.where(normal.any(axis=-1, keepdims=True), 127.5 * (1 + normal) + 0.5, 0.0)
+        Pillow.fromarray(colours.astype(np.uint8)).save(temporary, "png")
 
 
 def write_stats(stats: dict[str, Any], target: str) -> None:

@@ -12,7 +12,8 @@ from ..stage import DirectionGrid, LitDirections
 from ..stages.field import needed_groups
 from ..stages.field_channels import lines_of
 from ..stages.gradient import at_voxels
-from ..stages.lighting import Quantised, weakest_gradient
+from ..stages.lighting import Quantised
+from ..stages.shade import weakest_gradient
 from ..volume import FloatArray
 from .resources import DrawnLayer, bound_resources, pack_lights, pack_uniforms, uniform_values
 

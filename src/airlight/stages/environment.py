@@ -13,7 +13,7 @@ from ..environment.background import background_picture
 from ..environment.maps import LAYERS, layer_of, light_maps, mean_radiance, reflection_table
 from ..errors import StageError
 from ..stage import F32, Bool, Context, Estimate, Mat3f, Resource, Stage, Table, Vec3f, param, register, value
-from .shade import Shade, automatic_threshold
+from .shade import Shade, per_threshold
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,6 @@ class Environment(Shade):
 
     def uniforms(self, context: Context) -> EnvironmentUniforms:
         """Return the parameters with layer, mean and threshold resolved."""
-        threshold = automatic_threshold(context) if self.gradient_threshold is None else self.gradient_threshold
         return EnvironmentUniforms(
             environment_from_world=self.environment.environment_from_world,
             mean=mean_radiance(self.environment.source),
@@ -74,7 +73,7 @@ class Environment(Shade):
             metallic=self.metallic,
             reflectance=self.reflectance,
             intensity=self.intensity,
-            per_threshold=min(1.0 / threshold, 1e36) if threshold > 0 else 1e36,
+            per_threshold=per_threshold(self, context),
             two_sided=self.two_sided,
         )
 

@@ -24,9 +24,12 @@ class Field(Stage):
         Whether the field has a curvature between samples that are a step apart, which drivers may put right.
     differentiable
         Whether the device half has ``field_derivative``, which the gradient stage ``analytic`` asks for.
+    instead_if_empty
+        What to do about empty samples where the field would spread them.
     """
 
     slot: ClassVar[str] = "field"
+    instead_if_empty: ClassVar[str] = "use linear, or fill them"
     cells: ClassVar[bool] = False
     smooth: ClassVar[bool] = True
     filtered: ClassVar[bool] = False
@@ -53,7 +56,7 @@ class Field(Stage):
 
     def for_empty(self) -> Field:
         """Return the field that keeps empty samples (NaN, no-data) from spreading; taken for volumes that have any."""
-        raise StageError(f"look.field {self.name!r}", "cannot draw a volume with empty samples (NaN, no-data)", "fill them")
+        raise StageError(f"look.field {self.name!r}", "cannot keep empty samples (NaN, no-data) apart", self.instead_if_empty)
 
     def for_channels(self) -> Field:
         """Return the field that reconstructs several channels at once."""

@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..errors import StageError
 from ..reconstruction import kernels, spline
 from ..stage import F32, Context, Grid, Mat4f, Resource, param, register, static
 from .field import Field
@@ -21,10 +20,7 @@ class Filter(Field):
 
     differentiable: ClassVar[bool] = True
 
-    def for_empty(self) -> Field:
-        """Refuse: a filter would spread empty samples over all that it reaches."""
-        where = f"look.field {self.name!r}"
-        raise StageError(where, "cannot keep empty samples (NaN, no-data) apart", "use linear or nearest, or fill them")
+    instead_if_empty: ClassVar[str] = "use linear or nearest, or fill them"
 
 
 @dataclass(frozen=True, eq=False)

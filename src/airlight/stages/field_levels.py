@@ -76,11 +76,6 @@ class Levels(Field):
             coarsest=len(level_sizes(volume.size)) - 1.0,
         )
 
-    def for_empty(self) -> Field:
-        """Refuse: means would spread empty samples."""
-        where = f"look.field {self.name!r}"
-        raise StageError(where, "cannot keep empty samples (NaN, no-data) apart", "use linear, or fill them")
-
     def arranged(self, chosen: Mapping[str, Stage]) -> dict[str, Stage]:
         """Return a layer's stages by slot, with this field."""
         if chosen["gradient"].name not in FREE_GRADIENTS:

@@ -26,7 +26,6 @@ from ..stage import (
 from ..volume import FloatArray
 from .directions import DODECAHEDRON, angles_to, annealed, as_texels, dodecahedron, spiral, volume_normals
 from .field_channels import scalar_range
-from .shade import automatic_threshold
 
 KEPT_NORMALS = 8  # sets of a volume
 
@@ -221,9 +220,3 @@ class Quantised(Lighting):
         if self.directions == "spiral":
             return spiral(self.count)
         return annealed(volume_normals(context.volume, context.channels, context.time, self.seed), self.count, self.seed)
-
-
-def weakest_gradient(shade: Stage, context: Context) -> float:
-    """Gradient [data/world] below which a shade stage takes nothing for a surface."""
-    told = getattr(shade, "gradient_threshold", None)
-    return automatic_threshold(context) if told is None else float(told)

@@ -68,11 +68,20 @@ class BlinnPhong(Shade):
 
     def uniforms(self, context: Context) -> BlinnPhongUniforms:
         """Return the parameters with the automatic threshold resolved."""
-        threshold = self.gradient_threshold
-        if threshold is None:
-            threshold = automatic_threshold(context)
-        per_threshold = min(1.0 / threshold, 1e36) if threshold > 0 else 1e36
-        return BlinnPhongUniforms(self.ambient, self.diffuse, self.specular, self.shininess, per_threshold, self.two_sided)
+        per = per_threshold(self, context)
+        return BlinnPhongUniforms(self.ambient, self.diffuse, self.specular, self.shininess, per, self.two_sided)
+
+
+def weakest_gradient(shade: Stage, context: Context) -> float:
+    """Gradient [data/world] below which a shade stage takes nothing for a surface."""
+    told = getattr(shade, "gradient_threshold", None)
+    return automatic_threshold(context) if told is None else float(told)
+
+
+def per_threshold(shade: Stage, context: Context) -> float:
+    """Inverse of the weakest gradient of a shade stage, as large as devices hold."""
+    threshold = weakest_gradient(shade, context)
+    return min(1.0 / threshold, 1e36) if threshold > 0 else 1e36
 
 
 def automatic_threshold(context: Context) -> float:

@@ -39,3 +39,9 @@ fn lit_at(front: Sample, back: Sample, share: f32, slab: Slab, ray: Ray) -> vec3
 fn lit_whole(slab: Slab, lit: Lit) -> vec3f {
   return (slab.front_rgb + slab.back_rgb) * lit.diffuse + (slab.front_specular + slab.back_specular) * lit.specular;
 }
+
+// A slab whose two ends are lit each by itself.
+fn lit_ends(slab: Slab, near: Lit, far: Lit) -> vec3f {
+  return slab.front_rgb * near.diffuse + slab.front_specular * near.specular
+    + slab.back_rgb * far.diffuse + slab.back_specular * far.specular;
+}

@@ -3,7 +3,7 @@
 
 import package::ray::Ray;
 import package::sample::{Sample, Slab, Lit};
-import package::lighting::at_share::{gradient_at, lit_by_gradient};
+import package::lighting::at_share::{gradient_at, lit_by_gradient, lit_ends};
 
 struct LitEnd { lit: Lit }
 
@@ -14,10 +14,7 @@ fn know_light(here: Sample, ray: Ray) -> LitEnd {
 }
 
 fn light_known(front: Sample, front_light: LitEnd, back: Sample, back_light: LitEnd, slab: Slab, ray: Ray) -> vec3f {
-  let near = front_light.lit;
-  let far = back_light.lit;
-  return slab.front_rgb * near.diffuse + slab.front_specular * near.specular
-    + slab.back_rgb * far.diffuse + slab.back_specular * far.specular;
+  return lit_ends(slab, front_light.lit, back_light.lit);
 }
 
 fn light_slab(front: Sample, back: Sample, slab: Slab, ray: Ray) -> vec3f {

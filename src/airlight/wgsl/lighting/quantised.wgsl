@@ -3,6 +3,7 @@
 
 import generated::lighting::{numbers, lit};
 import generated::layer::layer;
+import package::lighting::at_share::lit_ends;
 import package::ray::Ray;
 import package::sample::{Sample, Slab, Lit};
 
@@ -28,10 +29,7 @@ fn know_light(here: Sample, ray: Ray) -> LitEnd {
 fn number_at(voxel: vec3u) -> u32 { return textureLoad(numbers, vec3u(voxel.x >> 2u, voxel.yz), 0)[voxel.x & 3u]; }
 
 fn light_known(front: Sample, front_light: LitEnd, back: Sample, back_light: LitEnd, slab: Slab, ray: Ray) -> vec3f {
-  let near = front_light.lit;
-  let far = back_light.lit;
-  return slab.front_rgb * near.diffuse + slab.front_specular * near.specular
-    + slab.back_rgb * far.diffuse + slab.back_specular * far.specular;
+  return lit_ends(slab, front_light.lit, back_light.lit);
 }
 
 fn light_slab(front: Sample, back: Sample, slab: Slab, ray: Ray) -> vec3f {
