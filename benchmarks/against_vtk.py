@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from common import arguments, errors, machine, parsed, ratio, side_by_side, table, write_json
 from volumes import bone, brain, cropped, real_volume
-from vtk_side import MAPPERS, load_vtk, vtk_picture
 
 import airlight as al
 from airlight import reference
+from airlight.benchmark.vtk_side import MAPPERS, load_vtk, vtk_picture
 
 STEPS = (2.0, 1.0, 0.5)
 CONVERGED_STEP = 1 / 8

@@ -1,8 +1,9 @@
 """Time of 1, 10 and 100 surfaces of equal value in one look, relative to one (Engel and Ertl 2002, section 8.3).
 
 *crowded*: all lie so near to each other that the same slabs cross them, many at once, with the opacity of the one together:
-what the table costs, and nothing else. The bar: within 5 % of one surface. *spread*: at even distances over the data's range,
-so that more slabs are lit and fewer skipped: what a picture costs; once without skipping or light, where the bar holds, too.
+what the table costs, and nothing else (found by straight lines: sharp surfaces are looked for one by one). The bar: within 5 %
+of one surface. *spread*: at even distances over the data's range, so that more slabs are lit and fewer skipped: what a picture
+costs; once without skipping or light, where the bar holds, too.
 """
 
 from __future__ import annotations
@@ -83,7 +84,7 @@ def measured_case(
     """Draw all numbers of surfaces in turns."""
     skip = "none" if "nothing skipped" in name else "auto"
     scenes = {n: from_corner(volume, function, LOOKS[look]) for n, function in functions.items()}
-    frames = {n: frame_of(device, scene, options, skip) for n, scene in scenes.items()}
+    frames = {n: frame_of(device, scene, options, skip, refine="none") for n, scene in scenes.items()}
     jobs = {str(n): (lambda frame=frame: draw_march(frame)) for n, frame in frames.items()}
     measured = side_by_side(jobs, options.repeats, warm=2)
     return [

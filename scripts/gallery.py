@@ -46,6 +46,11 @@ DATA_SOURCES = {
     "formats/LIDC2.mha": "LIDC, by way of VolView's examples",
     "stroke.nrrd": "stroke_T1, stroke_T2 and stroke_FLAIR.nii.gz as channels; neurolabusc/VolumeRenderingData, MIT",
 }
+MESHED = {
+    # Hippocampus, caudate nucleus, putamen, pallidum, thalamus, each on both sides.
+    "nuclei.ply": ("labels/aal.nii.gz", {37: "#e69f00", 71: "#56b4e9", 73: "#009e73", 75: "#d55e00", 77: "#cc79a7"}),
+}
+"""Meshes that entries name: of labels, the first of two sides each, in these colours."""
 STACKED = {"stroke.nrrd": ("stroke_T1.nii.gz", "stroke_T2.nii.gz", "stroke_FLAIR.nii.gz")}
 
 
@@ -124,7 +129,10 @@ PRESETS = (
     Entry("preset-bone", "ct_head.nrrd", "the skull alone", ("--preset", "ct_bone")),
     Entry("preset-skin", "ct_head.nrrd", "the face", ("--preset", "ct_skin")),
     Entry(
-        "preset-soft-tissue", "labels/ts_example_ct.nii.gz", "muscles and organs without fat", ("--preset", "ct_soft_tissue")
+        "preset-soft-tissue",
+        "labels/ts_example_ct.nii.gz",
+        "muscles without fat; spine, ribs and pelvis through them",
+        ("--preset", "ct_soft_tissue", "--field", "bspline", "--step", "0.5"),
     ),
     Entry(
         "preset-lung",
@@ -135,8 +143,8 @@ PRESETS = (
     Entry(
         "preset-airways",
         "ct_head.nrrd",
-        "nose, sinuses and the cells behind the ear, through a faint skin",
-        ("--preset", "ct_airways", "--camera", "left"),
+        "from the side, through a faint skin: nose, sinuses of forehead and skull base, throat; the outer ear at the border",
+        ("--preset", "ct_airways", "--camera", "397,165,50,122,165,50", "--step", "0.5"),
     ),
     Entry(
         "preset-vessels",
@@ -389,6 +397,88 @@ ENVIRONMENTS = (
         ("--iso", "80:#f0c060", *STUDIO, "--shade", "environment:metallic=1,roughness=0.15", "--camera", "iso"),
     ),
 )
+AORTA = (
+    *("--tf", "0:#7a2a1c:2 60:#c4503a:2 85:#f0a890:1 100:#f0a890:0", "--field", "bspline", "--gradient", "analytic"),
+    *("--shade", "blinn_phong:ambient=0.12,diffuse=0.8,specular=0.25,shininess=25", "--light", "head", "--step", "0.5"),
+)
+FROM_INSIDE = "eye=[192.8,197.6,102.5],target=[197,178,55],up=[0,-1,0]"
+CAMERAS = (
+    Entry(
+        "aorta",
+        "formats/LIDC2.mha",
+        "the inside of an aorta, looking down: mouths of its branches, bright knobs on its wall",
+        (*AORTA, "--camera", f"perspective:{FROM_INSIDE},fov_deg=90"),
+    ),
+    Entry(
+        "dome",
+        "formats/LIDC2.mha",
+        "the same as a fisheye sees it, 220 degrees: a disk, nothing beside it",
+        (*AORTA, "--camera", f"dome:{FROM_INSIDE},angle_deg=220"),
+    ),
+    Entry(
+        "panorama",
+        "formats/LIDC2.mha",
+        "the same all round: downstream in the middle, upstream at both edges, which fit together",
+        (*AORTA, "--camera", f"panorama:{FROM_INSIDE}", "--size", "640x320"),
+    ),
+    Entry(
+        "stereo",
+        "ct_head.nrrd",
+        "a skull for the left and for the right eye; look through the picture to see one in space",
+        ("--preset", "ct_bone", "--stereo", "--size", "640x320"),
+    ),
+)
+
+QUARTER = "box:low=[122,-9,80],high=[253,122,169],keep=outside"
+TISSUE = ("--preset", "ct_soft_tissue", "--camera", "iso")
+CLIPS = (
+    Entry(
+        "clip-quarter",
+        "ct_head.nrrd",
+        "a quarter of the head cut away: smooth faces through brain and skull, no stairs",
+        (*TISSUE, "--clip", QUARTER),
+    ),
+    Entry(
+        "clip-capped",
+        "ct_head.nrrd",
+        "the same as a section: solid faces to the skin, folds of the brain on them",
+        (*TISSUE, "--clip", f"{QUARTER},capped=true"),
+    ),
+    Entry(
+        "clip-plane",
+        "ct_head.nrrd",
+        "the left half of a skull from within: floor, sinuses, a smooth cut through the bone",
+        ("--preset", "ct_bone", "--clip", "plane:normal=[1,0,0]", "--camera", "right"),
+    ),
+    Entry(
+        "clip-sphere",
+        "engine.nii.gz",
+        "an engine with a ball cut out of it: smooth round faces, bores in section",
+        (*METAL[:2], "--camera", "iso", "--clip", "sphere:center=[45,-60,55],radius=70,keep=outside,capped=true"),
+    ),
+    Entry("crop", "bonsai.nii.gz", "the crown of a bonsai, cropped to a box of voxels", ("--crop", "40:216,40:216,110:")),
+)
+
+MESHES = (
+    Entry(
+        "mesh-nuclei",
+        "ch2.nii.gz",
+        "nuclei of the brain in distinct colours within a head seen through, in a white box",
+        (
+            *("--tf", "40:#806050:0 90:#c09070:0.004 200:#fff0e0:0.02", "--mesh", "nuclei.ply", "--box", "white"),
+            *("--camera", "iso", "--background", "#202830"),
+        ),
+    ),
+    Entry(
+        "mesh-translucent",
+        "ch2.nii.gz",
+        "the same nuclei, semi-transparent: nearer ones before those behind them",
+        (
+            *("--tf", "40:#806050:0 90:#c09070:0.004 200:#fff0e0:0.02", "--mesh", "nuclei.ply:opacity=0.5"),
+            *("--camera", "0,-190,30,0,-15,5", "--background", "#202830"),
+        ),
+    ),
+)
 
 SECTIONS = {
     "First pictures": (FIRST, "Chosen from the data alone."),
@@ -399,7 +489,10 @@ SECTIONS = {
     "Joint functions": (JOINT, "Functions of several variables, histograms to draw them on, and functions made of the data."),
     "Filters": (FILTERS, "Values between voxels, magnified."),
     "Environments": (ENVIRONMENTS, "Light from all directions, and what is seen behind."),
+    "Cameras": (CAMERAS, "From inside, all round, and for two eyes."),
     "Surfaces": (SURFACES, "Surfaces of equal value: sheets without width, each side in its own colour."),
+    "Meshes": (MESHES, "Surfaces of triangles among volumes, in right order."),
+    "Clips": (CLIPS, "Planes, boxes and spheres, of which one side is drawn."),
 }
 ENTRIES = tuple(entry for entries, _ in SECTIONS.values() for entry in entries)
 
@@ -466,7 +559,7 @@ def render(entry: Entry, data: Path, records: dict[str, Any]) -> str:
         except (AirlightError, RuntimeError) as error:
             return f"{entry.name}: {error}"
         keep(target, FOLDER / f"{entry.name}.png")
-    records[entry.name] = {"entry": entry.digest, "size": list(SIZE), "adapter": stats["adapter"]}
+    records[entry.name] = {"entry": entry.digest, "size": stats.get("size", list(SIZE)), "adapter": stats["adapter"]}
     return ""
 
 
@@ -490,13 +583,40 @@ def render_by_command(entry: Entry, data: Path, target: Path, told: Path) -> dic
         path = target.with_name(entry.volume)
         save(stacked([data / part for part in STACKED[entry.volume]]), path)
     options = [str(data / word) if word in DATA_SOURCES else word for word in entry.options]
+    for name in set(MESHED) & {word.partition(":")[0] for word in options}:
+        write_meshes(data / MESHED[name][0], MESHED[name][1], target.with_name(name))
+        options = [str(target.with_name(word)) if word.startswith(name) else word for word in options]
     drawn = entry.verb == "render"
     words = [entry.verb, str(path), "-o", str(target), *options]
-    words += ["--size", f"{SIZE[0]}x{SIZE[1]}", "--stats", str(told)] if drawn else []
+    words += ["--stats", str(told)] if drawn else []
+    words += ["--size", f"{SIZE[0]}x{SIZE[1]}"] if drawn and "--size" not in options else []
     if airlight(words) != 0:
         raise RuntimeError(f"{entry.command} failed")
     stats: dict[str, Any] = json.loads(told.read_text(encoding="utf-8")) if drawn else {"adapter": None}
     return stats
+
+
+def write_meshes(labels: Path, colours: dict[int, str], target: Path) -> None:
+    """Write the smoothed borders of labelled regions as one mesh in colours."""
+    import numpy as np
+    import trimesh
+    from PIL import ImageColor
+    from scipy.ndimage import gaussian_filter
+    from surface_mesh import shift, surface_mesh
+
+    import airlight as al
+
+    volume, parts = al.open(labels), []
+    for first, colour in colours.items():
+        is_there = np.isin(volume.array, (first, first + 1))
+        low = np.maximum(np.argwhere(is_there).min(axis=0) - 5, 0)
+        part = tuple(slice(a, b) for a, b in zip(low, np.argwhere(is_there).max(axis=0) + 6, strict=True))
+        mesh = surface_mesh(gaussian_filter(is_there[part].astype(np.float32), 1.0), 0.5)
+        mesh = mesh.moved(volume.world_from_index @ shift(low[::-1]))
+        rgb = np.tile(np.uint8(ImageColor.getrgb(colour)), (len(mesh.vertices), 1))
+        there = mesh.vertices @ mesh.matrix[:3, :3].T + mesh.matrix[:3, 3]
+        parts.append(trimesh.Trimesh(there, mesh.faces, vertex_colors=rgb, process=False))
+    trimesh.util.concatenate(parts).export(target)
 
 
 def stacked(paths: list[Path]) -> Any:
@@ -511,7 +631,7 @@ def stacked(paths: list[Path]) -> Any:
 
 
 def keep(picture: Path, target: Path) -> None:
-    """Store a picture with few colours and well packed: the whole gallery stays below 3 MB."""
+    """Store a picture with few colours and well packed: the whole gallery stays below 4 MB."""
     from PIL import Image
 
     with Image.open(picture) as image:
@@ -524,7 +644,8 @@ def table() -> str:
     lines = [
         "# Gallery",
         "",
-        f"Made by `make gallery` (`scripts/gallery.py`): {SIZE[0]} x {SIZE[1]} pixels, stored with {COLOURS} colours.",
+        f"Made by `make gallery` (`scripts/gallery.py`): {SIZE[0]} x {SIZE[1]} pixels unless the command says other, stored",
+        f"with {COLOURS} colours.",
         "`gallery.json` says on which adapter. Names without an ending are samples, fetched or computed when they are first",
         "named. Files are volumes of the data folder; pictures of them are rendered only where it is.",
     ]

@@ -62,6 +62,13 @@ def test_gradients(benchmark_named, tmp_path):
     assert sets["annealed 240"] < sets["spiral 240"] < sets["dodecahedron 240"]
 
 
+def test_slabs(benchmark_named, tmp_path):
+    found = run(benchmark_named("slabs"), tmp_path / "out.json")
+    assert found["passes"]
+    assert all(row["cut, error"] < 1e-3 for row in found["rows"])
+    assert {row["stage"] for row in found["edits"]} == {"preintegrated", "preintegrated_exact"}
+
+
 def test_surfaces(benchmark_named, tmp_path):
     found = run(benchmark_named("surfaces"), tmp_path / "out.json")
     assert {row["surfaces"] for row in found["rows"]} == {1, 10, 100}
@@ -106,3 +113,17 @@ def test_environments(benchmark_named, tmp_path):
     found = run(benchmark_named("environments"), tmp_path / "out.json")
     assert found["furnace"] <= 1e-3
     assert all(row["max %"] < 20 for row in found["maps"])
+
+
+def test_crossings(benchmark_named, tmp_path):
+    found = run(benchmark_named("crossings"), tmp_path / "out.json")
+    error = {(row["surfaces"], row["step"], row["refine"]): row["q75 x255"] for row in found["errors"]}
+    assert error["alone", 5.0, "secant"] < 0.2 * error["alone", 5.0, "none"]
+    assert {row["refine"] for row in found["times"]} == {"none", "bisection", "secant", "exact"}
+
+
+def test_clips(benchmark_named, tmp_path):
+    found = run(benchmark_named("clips"), tmp_path / "out.json")
+    assert [row["cutting"] for row in found["rows"]] == [0, 1, 20, 4]
+    assert found["rows"][0]["samples"] == pytest.approx(1, abs=0.01)
+    assert all(row["samples"] < 1 for row in found["rows"][1:3])

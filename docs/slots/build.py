@@ -75,8 +75,11 @@ def stage_rows(name: str, cls: type[Stage]) -> list[tuple[str, ...]]:
 
 
 def _allowed(field: dataclasses.Field[Any]) -> str:
-    if field.metadata["kind"] == "value":
-        return f"`al.{type(field.default).__name__}`"
+    kind = type(field.default)
+    if field.metadata["kind"] == "value" and kind not in (int, str):
+        return f"`al.{kind.__name__}`"
+    if kind is str and not field.metadata["bounds"].choices:
+        return "a name"
     bounds, unit = field.metadata["bounds"], field.metadata["unit"]
     if bounds.choices:
         return ", ".join(f"`{choice}`" for choice in bounds.choices)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .api import devices, edit, explain, relight, render, warm_up
+from .clips import Clip
 from .environment import Environment
 from .errors import (
     AirlightError,
@@ -23,6 +24,7 @@ from .errors import (
     ValueRangeError,
 )
 from .first_picture import automatic_channels, first_picture
+from .geometry import Lines, Mesh, Points
 from .labels import Labels, LabelStyle
 from .scene import Camera, Layer, Light, Look, Scene, fit_camera
 from .stage import F32, I32, U32, Bool, Stage, Vec2f, Vec3f, Vec4f, param, register, static
@@ -33,7 +35,8 @@ from .volume import Volume, statistics
 if TYPE_CHECKING:
     from . import automatic, joint, reference, samples
     from .io import open, save
-    from .picking import pick
+    from .picking import Picked, pick
+    from .profiles import RayProfile, ray_profile
     from .rendering.image import Image
     from .rendering.renderer import Renderer
     from .scene_file import load_scene, save_scene
@@ -50,6 +53,7 @@ __all__ = [
     "Camera",
     "Channel",
     "Channels",
+    "Clip",
     "DataError",
     "DeviceError",
     "Environment",
@@ -61,8 +65,13 @@ __all__ = [
     "Layer",
     "Light",
     "LimitError",
+    "Lines",
     "Look",
+    "Mesh",
     "MissingExtraError",
+    "Picked",
+    "Points",
+    "RayProfile",
     "Renderer",
     "Scene",
     "ShaderError",
@@ -95,6 +104,7 @@ __all__ = [
     "param",
     "pick",
     "presets",
+    "ray_profile",
     "reference",
     "register",
     "relight",
@@ -114,6 +124,8 @@ __all__ = [
 # What loads the device or the readers is imported when it is first asked for.
 _LAZY = {
     "Image": ("airlight.rendering.image", "Image"),
+    "Picked": ("airlight.picking", "Picked"),
+    "RayProfile": ("airlight.profiles", "RayProfile"),
     "Renderer": ("airlight.rendering.renderer", "Renderer"),
     "automatic": ("airlight.automatic", ""),
     "joint": ("airlight.joint", ""),
@@ -122,6 +134,7 @@ _LAZY = {
     "save": ("airlight.io", "save"),
     "load_scene": ("airlight.scene_file", "load_scene"),
     "presets": ("airlight.transfer.presets", ""),
+    "ray_profile": ("airlight.profiles", "ray_profile"),
     "reference": ("airlight.reference", ""),
     "samples": ("airlight.samples", ""),
     "save_scene": ("airlight.scene_file", "save_scene"),

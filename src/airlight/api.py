@@ -49,7 +49,8 @@ def render(
     skip
         How empty space is skipped; never changes the image.
     keep_hits
-        Keep what was found at surfaces (``first_hit``): ``image.normal``, and what ``relight`` needs.
+        Keep what was found at surfaces (``first_hit``): ``image.normal``, and what ``relight`` needs; of
+        ``emission_absorption`` the normals where opacity passes one half.
     device
         Number, kind or part of the name of an adapter; None takes the best.
     progress

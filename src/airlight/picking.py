@@ -1,18 +1,93 @@
-"""From a pixel of an image to the point of the world that it shows."""
+"""From a pixel of an image to the point of the world that it shows, and what is there."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from numbers import Integral
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .errors import DataError, ValueRangeError
-from .first_picture import resolved_camera
+from .first_picture import resolve, resolved_camera
+from .inspecting import gradients_at, labels_at, layer_of, pieces, setup_of, values_at
 from .scene import Scene
 from .transfer.given import listed
 
 if TYPE_CHECKING:
     from .rendering.image import Image
+
+Point = tuple[float, float, float]
+ALLOWANCE = 1e-3
+"""Part of a voxel by which points may lie outside: a float32 depth is as exact."""
+
+
+@dataclass(frozen=True)
+class Picked:
+    """What a pixel shows.
+
+    Attributes
+    ----------
+    p_world, p_index
+        The point, x, y, z, in the world and in voxels of the layer's volume.
+    t_world
+        Its distance along the pixel's ray, as in ``image.depth``.
+    values
+        Values of the layer's field there in data units, one for each channel that its function looks at; NaN where empty,
+        and outside of the volume, as on a mesh.
+    gradient
+        Gradient of the field in data units per world unit, of the first channel, or the mixture that is drawn.
+    label, label_name
+        Label of the voxel there, and its name; None without labels.
+    """
+
+    p_world: Point
+    p_index: Point
+    t_world: float
+    values: tuple[float, ...]
+    gradient: Point
+    label: int | None = None
+    label_name: str | None = None
+
+    @property
+    def value(self) -> float:
+        """Value of the first channel."""
+        return self.values[0]
+
+    @property
+    def normal(self) -> Point:
+        """Unit vector against the gradient, towards lower values; 0 where there is no gradient."""
+        length = math.hypot(*self.gradient)
+        x, y, z = (-c / length if length > 0 else 0.0 for c in self.gradient)
+        return x, y, z
+
+
+def picked(image: Image, scene: Scene, pixel: tuple[int, int], layer: int = 0) -> Picked | None:
+    """Return what a pixel shows of one of the visible layers; None where the image has no depth. See ``image.pick``."""
+    point = pick(image, scene, pixel)
+    if point is None:
+        return None
+    scene = resolve(scene, image.size)
+    chosen, p_world = layer_of(scene, layer), np.array([point])
+    setup = setup_of(scene, chosen, image.size)
+    ((_, near),) = pieces(setup, p_world)
+    p_index = setup.index_of(p_world)[0]
+    x, y, z = p_index.tolist()
+    low, high = setup.domain
+    inside = bool(((p_index >= low - ALLOWANCE) & (p_index <= high + ALLOWANCE)).all())
+    values = np.atleast_1d(values_at(near, p_world)[0]) if inside else np.full(len(setup.channels), np.nan)
+    label = None if (found := labels_at(chosen, p_world)) is None else int(found[0])
+    slope_x, slope_y, slope_z = gradients_at(near, p_world)[0].tolist() if inside else (0.0, 0.0, 0.0)
+    return Picked(
+        p_world=point,
+        p_index=(x, y, z),
+        t_world=float(image.depth[pixel[1], pixel[0]]),
+        values=tuple(values.tolist()),
+        gradient=(slope_x, slope_y, slope_z),
+        label=label,
+        label_name=None if label is None or chosen.labels is None else chosen.labels.name_of(label),
+    )
 
 
 def pick(image: Image, scene: Scene, pixel: tuple[int, int]) -> tuple[float, float, float] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -12,9 +12,12 @@ from typing import Any
 import numpy as np
 
 from . import stages
+from .clips import Clip, checked_clips
 from .environment import Environment
 from .errors import DataError, StageError, ValueRangeError
+from .geometry import Lines, Mesh, Points
 from .labels import Labels
+from .light import Light, Vector
 from .stage import Stage, make_stage
 from .stages.camera import Camera
 from .stages.field import Field
@@ -25,77 +28,15 @@ from .stages.transfer import Transfer
 from .transfer import TransferFunction, linear_rgb
 from .transfer.channels import Channels
 from .transfer.colour import MOST_COLOUR, Colour
-from .transfer.given import finite_numbers, listed, not_negative, positive, set_fields, whole
+from .transfer.given import listed, not_negative, set_fields, whole
 from .transfer.joint import JointFunction
 from .transfer.kinds import AnyFunction, DrawnFunction, as_function, channels_of, drawn_function
 from .volume import FloatArray, Volume, statistics
-
-Vector = tuple[float, float, float]
 
 ROUNDING = 1e-12  # of lengths of directions, which stay as they are
 VECTORS = {"head": "vector", "directional": "to_light", "point": "position"}  # what the vector of each kind of light is called
 
 __all__ = ["VIEWS", "Camera", "Layer", "Light", "Look", "Scene", "fit_camera"]
-
-
-@dataclass(frozen=True)
-class Light:
-    """A light; make one with ``Light.head``, ``Light.directional`` or ``Light.point``.
-
-    Attributes
-    ----------
-    kind
-        ``"head"``, ``"directional"`` or ``"point"``.
-    vector
-        Direction towards the light, of length one (directional); position in the world (point); unused (head).
-    colour
-        Linear ``(r, g, b)``.
-    intensity
-        Factor of the colour, at least 0.
-    radius
-        World distance at which a point light has its intensity, falling off with the square of distance; None: no fall-off.
-    """
-
-    kind: str
-    vector: Vector = (0.0, 0.0, 1.0)
-    colour: Vector = (1.0, 1.0, 1.0)
-    intensity: float = 1.0
-    radius: float | None = None
-
-    def __post_init__(self) -> None:
-        """Check the values."""
-        if self.kind not in VECTORS:
-            raise ValueRangeError("light.kind", f"is {self.kind!r}, must be one of {', '.join(VECTORS)}")
-        x, y, z = finite_numbers(self.vector, f"light.{VECTORS[self.kind]}", 3)
-        length = math.hypot(x, y, z)
-        if self.kind == "directional" and not 0 < length < math.inf:
-            raise ValueRangeError("light.to_light", f"is {self.vector!r}, must be a finite direction")
-        if self.kind == "directional" and abs(length - 1) > ROUNDING:
-            x, y, z = x / length, y / length, z / length
-        colour, intensity = linear_rgb(self.colour, "light.color"), not_negative(self.intensity, "light.intensity")
-        radius = None if self.radius is None else positive(self.radius, "light.radius")
-        set_fields(self, vector=(x, y, z), colour=colour, intensity=intensity, radius=radius)
-
-    @staticmethod
-    def head(*, color: Colour = (1.0, 1.0, 1.0), intensity: float = 1.0) -> Light:
-        """Light that comes from the eye, along each ray."""
-        return Light("head", colour=color, intensity=intensity)  # type: ignore[arg-type]  # colours and tuples are made there
-
-    @staticmethod
-    def directional(*, to_light: Vector, color: Colour = (1.0, 1.0, 1.0), intensity: float = 1.0) -> Light:
-        """Light from far away; ``to_light`` is the world direction towards it."""
-        return Light("directional", to_light, color, intensity)  # type: ignore[arg-type]
-
-    @staticmethod
-    def point(
-        *,
-        position: Vector,
-        color: Colour = (1.0, 1.0, 1.0),
-        intensity: float = 1.0,
-        radius: float | None = None,
-    ) -> Light:
-        """Light at a world position, without fall-off unless ``radius`` is given."""
-        return Light("point", position, color, intensity, radius)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -149,8 +90,9 @@ class Look:
         shade = chosen["shade"]
         if not (isinstance(shade, Shade) and not shade.lit) and getattr(chosen["integrate"], "uses_slabs", True):
             return chosen
+        asked = any(getattr(chosen[slot], "uses_gradient", slot == "modulation") for slot in ("modulation", "integrate"))
         return chosen | {
-            "gradient": self.gradient if getattr(chosen["modulation"], "uses_gradient", True) else stages.gradient.Zero(),
+            "gradient": self.gradient if asked else stages.gradient.Zero(),
             "shade": stages.shade.NoShade(),
             "lighting": stages.lighting.Unlit(),
         }
@@ -179,6 +121,8 @@ class Layer:
         Factor of all extinctions, at least 0.
     channel, time
         Channel, by number or name, and time step.
+    clips
+        ``Clip``s of this layer alone, beside those of the scene.
     """
 
     volume: Volume
@@ -189,6 +133,7 @@ class Layer:
     density: float = 1.0
     channel: int | str = 0
     time: int = 0
+    clips: tuple[Clip, ...] = ()
 
     def __post_init__(self) -> None:
         """Make a volume of what was given and check the numbers."""
@@ -199,6 +144,7 @@ class Layer:
         density = not_negative(self.density, "layer.density")
         channel = self.channel if isinstance(self.channel, str) else whole(self.channel, "layer.channel", 0)
         set_fields(self, density=density, channel=channel, time=whole(self.time, "layer.time", 0))
+        set_fields(self, clips=checked_clips(self.clips, "layer.clips"))
         object.__setattr__(self, "transfer", as_function(self.transfer))
         if self.transfer is not None and not isinstance(self.transfer, AnyFunction):
             found = f"is a {type(self.transfer).__name__}"
@@ -246,6 +192,7 @@ class Layer:
         chosen = self.look.stages()
         field, transfer = chosen["field"], chosen["transfer"]
         self._check_integrate(chosen["integrate"])
+        _check_visibility(chosen)
         if isinstance(transfer, Transfer):
             chosen["transfer"] = transfer = transfer.for_function(self.function)
             if getattr(chosen["lighting"], "splits_slabs", False):
@@ -276,6 +223,14 @@ class Layer:
             raise StageError(where, "makes a value that has no gradient", "use a TransferFunction, or mip or minip")
 
 
+def _check_visibility(chosen: Mapping[str, Stage]) -> None:
+    """Refuse a stage that dims light where there is none."""
+    shade, visibility = chosen["shade"], chosen["visibility"]
+    if visibility.name != "none" and isinstance(shade, Shade) and not shade.lit:
+        where = f"look.visibility {visibility.name!r}"
+        raise StageError(where, "dims light, and nothing is lit", 'use shade="blinn_phong", or visibility="none"')
+
+
 @dataclass(frozen=True, init=False)
 class Scene:
     """Layers, camera, lights and background: all that an image depends on but its size and the driver.
@@ -290,15 +245,21 @@ class Scene:
         A ``Camera``, or the name of a view (``"front"``, ``"iso"`` ...) that shows all layers.
     lights
         Lights; None is one head light.
+    meshes
+        What shares its depth with the layers: ``Mesh``, ``Lines`` and ``Points``. A scene of meshes needs no layer.
     background
         Colour that lies behind the finished image; None is transparent. An ``Environment`` is seen behind the layers as part of
         the scene: the tone stage maps it, too, and the image is opaque.
+    clips
+        ``Clip``s of all layers: what every one of them keeps is drawn.
     """
 
     layers: tuple[Layer, ...]
     camera: Camera | str
     lights: tuple[Light, ...]
     background: Vector | Environment | None
+    meshes: tuple[Mesh | Lines | Points, ...]
+    clips: tuple[Clip, ...]
 
     def __init__(
         self,
@@ -315,7 +276,11 @@ class Scene:
         camera: Camera | str = "front",
         lights: Iterable[Light] | None = None,
         background: Colour | Environment | None = (0.0, 0.0, 0.0),
+        clips: Iterable[Clip] = (),
+        meshes: Iterable[Mesh | Lines | Points] = (),
     ) -> None:
+        meshes = listed(meshes, "scene.meshes", "pass meshes=[airlight.Mesh(vertices, faces)]")
+        layers = () if meshes and volume is None and layers is None else layers
         if (volume is None) == (layers is None):
             raise DataError("scene", "needs either a volume or layers", "pass one of them")
         optional: dict[str, Any] = {"transfer": transfer, "look": look, "labels": labels, "visible": visible}
@@ -338,16 +303,25 @@ class Scene:
         if background is not None and not isinstance(background, Environment):
             background = linear_rgb(background, "scene.background", MOST_COLOUR)
         object.__setattr__(self, "background", background)
+        object.__setattr__(self, "clips", checked_clips(clips, "scene.clips"))
+        object.__setattr__(self, "meshes", meshes)
+        for mesh in meshes:
+            if not isinstance(mesh, Mesh | Lines | Points):
+                raise DataError("scene.meshes", f"holds a {type(mesh).__name__}", "make it an airlight.Mesh, Lines or Points")
         for light in self.lights:
             if not isinstance(light, Light):
                 raise DataError("scene.lights", f"holds {light!r}", "make lights with Light.head(), .directional() or .point()")
-        if not self.layers:
+        if not self.layers and not meshes:
             raise DataError("scene.layers", "is empty", "pass at least one Layer")
 
     @property
     def visible_layers(self) -> tuple[Layer, ...]:
         """Layers that are drawn."""
         return tuple(layer for layer in self.layers if layer.visible)
+
+    def clips_of(self, layer: Layer) -> tuple[Clip, ...]:
+        """Clips that cut a layer: the scene's, then its own."""
+        return self.clips + layer.clips
 
 
 # -- views

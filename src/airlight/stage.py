@@ -19,9 +19,13 @@ import numpy.typing as npt
 from .errors import StageError, ValueRangeError
 
 if TYPE_CHECKING:
+    from .clips import Clip
     from .labels import LabelNumbers, Labels
     from .transfer.function import TransferFunction
     from .volume import Volume
+
+Stretches = tuple[tuple[float, float], ...]
+"""Closed intervals of values, each with its first and its last; they may reach to infinity."""
 
 # -- types of WGSL, as annotations that a type checker sees as plain Python types
 
@@ -96,9 +100,10 @@ def static(default: Any, *, choices: tuple[str, ...] = (), help: str = "") -> An
     )
 
 
-def value(default: Any, *, help: str = "") -> Any:
-    """Field of a stage that is a value of its own, of which uniforms and resources are made; its class checks it."""
-    return dataclasses.field(default=default, metadata={"kind": "value", "unit": "", "bounds": Bounds(), "help": help})
+def value(default: Any, *, at_least: float | None = None, up_to: float | None = None, help: str = "") -> Any:
+    """Field of a stage that is a value of its own, of which uniforms and resources are made; its class checks the rest."""
+    bounds = Bounds(at_least=at_least, up_to=up_to)
+    return dataclasses.field(default=default, metadata={"kind": "value", "unit": "", "bounds": bounds, "help": help})
 
 
 # -- what a stage asks of the device
@@ -216,13 +221,13 @@ class BlockRanges:
 
 @dataclass(frozen=True)
 class BlockLeaps:
-    """How far rays may leap from each block over blocks without a value in the closed intervals ``wanted``, as a 3-D texture.
+    """How far rays may leap from each block over blocks whose values lie within one of the closed intervals ``empty``.
 
-    WGSL: ``package::blocks`` and ``slot::blocks::leap_of``.
+    A 3-D texture; WGSL: ``package::blocks`` and ``slot::blocks::leap_of``.
     """
 
     ranges: BlockRanges
-    wanted: tuple[tuple[float, float], ...]
+    empty: Stretches
 
 
 BLOCK_VOXELS = 4
@@ -232,7 +237,8 @@ BLOCK_VOXELS = 4
 class OpennessGrid:
     """Share of light from all directions that reaches cells of voxels, as a 3-D texture that the sampler interpolates.
 
-    ``cells`` of them along x, y and z, of ``block`` voxels each, with a mean side ``cell_world``. Made on the device by the
+    ``cells`` of them along x, y and z, of ``block`` voxels each, with a mean side ``cell_world``; what ``clips`` cut away hides
+    nothing. Made on the device by the
     layer's stages; see ``wgsl/passes/occluders.wgsl`` and ``openness.wgsl``.
     """
 
@@ -241,6 +247,7 @@ class OpennessGrid:
     cell_world: float
     radius_world: float
     directions: int
+    clips: tuple[Clip, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -294,6 +301,7 @@ class Context:
     size_px: tuple[int, int]
     labels: Labels | None = None
     camera: Any = None
+    clips: tuple[Clip, ...] = ()
 
     @property
     def channel(self) -> int:
@@ -476,7 +484,8 @@ SLOTS: dict[str, Slot] = {
             "transfer",
             {"medium": "fn(Sample) -> Medium", "classify": "fn(Sample, Sample, f32) -> Slab"},
             {
-                "next_crossing": "fn(Sample, Sample, f32) -> f32",
+                "next_crossing": "fn(Sample, Sample, u32) -> Sheet",
+                "know_crossing": "fn(Sheet, Sample, bool) -> Known",
                 "empty_slab": "fn(Sample, Sample) -> bool",
                 "opacity_share": "fn(Sample, Sample, f32, f32, f32) -> f32",
                 "Known": "struct",
@@ -534,7 +543,7 @@ SLOTS: dict[str, Slot] = {
             {
                 "surface": "fn(Sample, Sample) -> f32",
                 "level": "fn(Sample, Sample) -> f32",
-                "surface_rgb": "fn(Sample, Sample, vec3f) -> vec3f",
+                "surface_rgb": "fn(Sample, Sample, Sample, vec3f) -> vec3f",
             },
             defaults={"level": "surface", "surface_rgb": "surface"},
             help="What becomes of the slabs along a ray.",

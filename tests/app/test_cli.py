@@ -367,13 +367,9 @@ def test_a_picture_to_standard_output(volume_file: str) -> None:
     assert json.loads(done.stderr)["samples"] > 0
 
 
-def test_bench_and_explain(volume_file: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_explain(volume_file: str, capsys: pytest.CaptureFixture[str]) -> None:
     if not api.devices():
         pytest.skip("no adapter answers")
-    target = tmp_path / "bench.json"
-    assert cli.main(["bench", "--size", "16", "--voxels", "16", "-o", str(target)]) == 0
-    assert len(json.loads(target.read_text())["scenes"]) == 6
-    capsys.readouterr()
     assert cli.main(["explain", volume_file, "--shade", "none"]) == 0
     assert "fn main" in capsys.readouterr().out
 

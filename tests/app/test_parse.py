@@ -59,7 +59,12 @@ def test_cameras() -> None:
     assert parse.parse_camera("1,2,3,4,5,6") == Camera.perspective(eye=(1, 2, 3), target=(4, 5, 6))
     assert parse.parse_camera("-1,0,0,0,0,0,0,1,0") == Camera.perspective(eye=(-1, 0, 0), target=(0, 0, 0), up=(0, 1, 0))
     assert parse.parse_camera("0,0,9,0,0,0") == Camera.perspective(eye=(0, 0, 9), target=(0, 0, 0), up=(0, -1, 0))
-    for wrong in ("above", "1,2,3", "1,2,3,4,5,nan", "1,1,1,1,1,1"):
+    dome = Camera.dome(eye=(1, 2, 3), target=(4, 5, 6), angle_deg=220)
+    assert parse.parse_camera("dome:eye=[1,2,3],target=[4,5,6],angle_deg=220") == dome
+    with pytest.raises(ValueRangeError, match=r"--camera is 'panorama:eye=.*', must tell eye and target: e.g. panorama:eye="):
+        parse.parse_camera("panorama:eye=[0,0,0]")
+    wrong_kinds = ("dome", "dome:eye=[1,2,3],target=[1,2,3]", "dome:eye=[1,2,3],target=[4,5,6],fov_deg=3", "stereo:eye")
+    for wrong in ("above", "1,2,3", "1,2,3,4,5,nan", "1,1,1,1,1,1", *wrong_kinds):
         with pytest.raises(ValueRangeError, match="camera"):
             parse.parse_camera(wrong)
 

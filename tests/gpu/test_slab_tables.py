@@ -115,9 +115,11 @@ def test_any_number_of_entries(device, entries, weighted):
     assert_right(device, SlabTable(function(kinds()["steps"], 5.0, False), 0.7, entries, 1, weighted))
 
 
-def test_large_tables(device):
-    """Dispatched a part at a time. What a thousand segments are rounded by adds up, at worst to this, in 32 bits."""
-    assert_right(device, SlabTable(function(kinds()["random"], 3.0, False), 1.0, 1030, 1, weighted=True))
+@pytest.mark.parametrize(("kind", "depth", "associated"), [("random", 3.0, False), ("even", 3.0, False), ("even", 0.01, True)])
+def test_large_tables(device, kind, depth, associated):
+    """Dispatched a part at a time. A thousand segments, equal ones too, do not add up what each is rounded by."""
+    points = kinds().get(kind, [(0, (1, 1, 1), 1.0), (4, (1, 1, 1), 1.0)])
+    assert_right(device, SlabTable(function(points, depth, associated), 1.0, 1030, 1, weighted=True))
 
 
 @pytest.mark.parametrize("depth", [1.0, 1e6])

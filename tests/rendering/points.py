@@ -10,7 +10,7 @@ import airlight as al
 from airlight import reference
 from airlight.gpu import compute
 from airlight.gpu.device import Device
-from airlight.reference.field import field_value
+from airlight.reference.field import field_scalar
 from airlight.reference.gradient import field_gradient
 from airlight.rendering.frame import drawn_layer
 from airlight.rendering.resources import DrawnLayer, bound_resources, pack_uniforms, uniform_values
@@ -18,33 +18,34 @@ from airlight.shader.program import FrameUniforms, ProgramKey, Switches, build_p
 
 ROOT = """
 import generated::pass::{segments, waiting};
-import slot::field::{locate, field_value};
+import slot::field::{locate, field_scalar};
 import slot::gradient::field_gradient;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
   let place = locate(waiting[id.x].xyz);
-  segments[id.x] = vec4f(field_gradient(place), field_value(place));
+  segments[id.x] = vec4f(field_gradient(place), field_scalar(place));
 }
 """
 SIZE_PX = (64, 64)
 FUNCTION = al.TransferFunction([(0, "black", 0), (1, "white", 1)])
 
 
-def scene_of(volume: al.Volume, field, gradient, camera="front") -> al.Scene:
+def scene_of(volume: al.Volume, field, gradient, camera="front", transfer=FUNCTION) -> al.Scene:
     """Scene whose layer has these stages; it is lit, so that the gradient is kept."""
-    return al.Scene(volume, transfer=FUNCTION, look=al.Look(field=field, gradient=gradient), camera=camera)
+    return al.Scene(volume, transfer=transfer, look=al.Look(field=field, gradient=gradient), camera=camera)
 
 
 def on_device(device: Device, drawn: al.Scene, p_index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values (n,) and world gradients (n, 3) at points (n, 3) in index coordinates."""
+    """Values (n,) and world gradients (n, 3) at points (n, 3) in index coordinates; of mixtures the number gradients are of."""
     camera = drawn.camera if isinstance(drawn.camera, al.Camera) else None
     layer = drawn_layer(drawn.layers[0], 1.0, SIZE_PX, False, camera)
     used = {slot: layer.stages[slot] for slot in ("field", "gradient")}
     alone = DrawnLayer(used, layer.context, {slot: layer.resources[slot] for slot in used})
-    keys = tuple((slot, stage_key(stage, alone.resources[slot])) for slot, stage in used.items())
+    keys = tuple((slot, stage_key(stage, alone.resources[slot], stage.variant(layer.context))) for slot, stage in used.items())
     switches = Switches(has_empty=alone.field.masked)
-    program = build_program(ProgramKey(ROOT, (), (keys,), ("segments", "waiting"), (), switches, device.traits))
+    groups = alone.field.groups(layer.context)
+    program = build_program(ProgramKey(ROOT, (), (keys,), ("segments", "waiting"), (), switches, device.traits, groups))
     anchor, count = np.zeros(3), -(-len(p_index) // 64) * 64
     points = np.zeros((count, 4), np.float32)
     points[: len(p_index), :3] = p_index
@@ -65,7 +66,7 @@ def on_device(device: Device, drawn: al.Scene, p_index: np.ndarray) -> tuple[np.
 def in_reference(drawn: al.Scene, p_index: np.ndarray, size_px: tuple[int, int] = SIZE_PX) -> tuple[np.ndarray, np.ndarray]:
     """The same, float64."""
     setup = replace(reference.prepare(drawn), camera=drawn.camera, size_px=size_px)
-    return field_value(setup, p_index)[0], field_gradient(setup, p_index)
+    return field_scalar(setup, p_index)[0], field_gradient(setup, p_index)
 
 
 def inside(volume: al.Volume, count: int, rng: np.random.Generator) -> np.ndarray:

@@ -252,12 +252,12 @@ def test_overshoot_of_a_body_is_that_of_its_product(side, radius):
 
 def test_coefficients_are_kept_but_not_without_end(rng):
     volume = al.Volume(rng.random((9, 4, 5, 6)).astype(np.float32))
-    first = spline.coefficients(volume, 0, 0)
-    assert spline.coefficients(volume, 0, 0) is first
+    first = spline.coefficients(volume, (0,), 0)
+    assert spline.coefficients(volume, (0,), 0) is first
     for channel in range(1, 9):
-        spline.coefficients(volume, channel, 0)
+        spline.coefficients(volume, (channel,), 0)
     assert len(volume.__dict__["_coefficients"]) == spline.KEPT_GRIDS
-    assert spline.coefficients(volume, 0, 0) is not first
+    assert spline.coefficients(volume, (0,), 0) is not first
     assert pickle.loads(pickle.dumps(volume)) == volume
 
 
@@ -266,19 +266,6 @@ def test_coefficients_are_kept_but_not_without_end(rng):
 def test_fields_without_a_derivative_refuse_it(renderer, noise, field, gradient):
     with pytest.raises(al.StageError, match=r"derivative.*use central"):
         renderer.render(scene_of(noise, field, gradient), (8, 8))
-
-
-def test_empty_samples_and_channels_are_refused(renderer, noise):
-    holed = noise.array.copy()
-    holed[3, 3, 3] = np.nan
-    with pytest.raises(al.StageError, match=r"empty samples.*use linear"):
-        renderer.render(scene_of(al.Volume(holed), "bspline", "analytic"), (8, 8))
-    with pytest.raises(al.StageError, match=r"derivative.*use central"):
-        renderer.render(scene_of(al.Volume(holed), "linear", "analytic"), (8, 8))
-    two = al.Volume(np.stack([noise.array, noise.array]))
-    drawn = al.Scene(two, transfer=[al.TransferFunction([(0, "red", 0), (9, "red", 1)])] * 2, look=al.Look(field="bspline"))
-    with pytest.raises(al.StageError, match=r"one channel at a time"):
-        renderer.render(drawn, (8, 8))
 
 
 @pytest.mark.parametrize("stage", [s for s in FILTERS if s.name != "kernel_body"] + [al.field.Levels(), ODD_BODY], ids=name_of)

@@ -237,3 +237,17 @@ def test_the_reference_refuses_too():
     for drawn in (quantised(camera="perspective"), quantised(lamps=lights())):
         with pytest.raises(al.StageError, match="lights each direction once"):
             reference.render(drawn, (6, 6))
+
+
+def test_a_seed_where_nothing_is_random_is_refused():
+    with pytest.raises(
+        al.ValueRangeError, match=r"seed is 3, and nothing is random about 'spiral': use directions=\"annealed\""
+    ):
+        Quantised("spiral", 64, seed=3)
+
+
+def test_occlusion_where_nothing_is_lit_is_refused(renderer):
+    volume = al.Volume(np.arange(64.0).reshape(4, 4, 4))
+    for unlit in ({"shade": "none"}, {"integrate": "mip"}):
+        with pytest.raises(al.StageError, match=r"ambient_occlusion.*dims light, and nothing is lit: use shade="):
+            renderer.render(al.Scene(volume, look=al.Look(visibility="ambient_occlusion", **unlit)), (8, 8))

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import SIZE, blobs, cameras, scene
+from scenes import SIZE, blobs, cameras, function, scene
 
 import airlight as al
 from airlight.errors import DataError, StageError
@@ -116,7 +116,30 @@ def test_what_cannot_be_lit_again(renderer):
         renderer.relight(renderer.render(drawn, SIZE), drawn)
     with pytest.raises(DataError, match="kept"):
         _ = renderer.render(drawn, SIZE).normal
-    with pytest.raises(StageError, match="first_hit"):
-        renderer.render(scene(), SIZE, keep_hits=True)
+    with pytest.raises(StageError, match="meets no surfaces that could be kept: use first_hit"):
+        renderer.render(scene(integrate="mip"), SIZE, keep_hits=True)
+    with pytest.raises(StageError, match="meets no surfaces that could be lit again: use first_hit"):
+        renderer.relight(renderer.render(scene(), SIZE, keep_hits=True), scene())
     with pytest.raises(StageError, match="use shade='none'"):
         renderer.relight(image, changed(drawn, lighting="unlit"))
+
+
+@pytest.mark.parametrize("look", [{}, {"shade": "none"}, {"gradient": "sobel", "field": "bspline"}])
+def test_normals_of_a_volume_are_those_where_it_becomes_opaque(any_renderer, look):
+    drawn = scene(**look)
+    image = any_renderer.render(drawn, SIZE, keep_hits=True)
+    assert np.abs(image.rgba - any_renderer.render(drawn, SIZE).rgba).max() <= 1e-6
+    met = np.isfinite(image.depth)
+    assert met.sum() > 100
+    assert np.array_equal(image.hits.side == 4, met)
+    assert not image.normal[~met].any()
+    for y, x in np.argwhere(met)[::37]:
+        assert image.normal[y, x] == pytest.approx(image.pick(int(x), int(y)).normal, abs=2e-3)
+
+
+def test_normals_of_a_mixture(renderer):
+    mixed = al.Volume(np.stack([blobs().array, 120 - blobs().array]), world_from_index=blobs().world_from_index)
+    drawn = al.Scene(mixed, transfer=[function(), function()], camera=scene().camera)
+    image = renderer.render(drawn, SIZE, keep_hits=True)
+    lengths = np.linalg.norm(image.normal[np.isfinite(image.depth)], axis=-1)
+    assert np.quantile(np.abs(lengths - 1), 0.95) < 1e-5

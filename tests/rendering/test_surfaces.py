@@ -27,6 +27,7 @@ STEP_THERE = al.TransferFunction(
 GLOW = al.TransferFunction(
     [(40, (0, 0, 0), 0), (70, (0.02, 0.01, 0), 0), (110, (0.1, 0, 0.05), 0.4)], True, [Surface(60, "white", 0.3), Surface(75)]
 )
+STRAIGHT = al.driver.March(refine="none")
 FUNCTIONS = {"one": ONE, "two": TWO, "ten": TEN, "in a medium": IN_MEDIUM, "at steps": STEP_THERE, "associated": GLOW}
 
 
@@ -38,9 +39,12 @@ def with_function(tf, volume=None, camera="perspective", field="linear_exact", *
     return al.Scene(layer.volume, transfer=tf, camera=base.camera, look=layer.look, lights=base.lights, background=None)
 
 
-def compare(renderer, drawn: al.Scene, step: float = 1.0, tolerance: float = 1 / 255, strays: float = 0.0) -> None:
-    image = renderer.render(drawn, SIZE, step=step)
-    truth = reference.render(drawn, SIZE, step=step)
+def compare(
+    renderer, drawn: al.Scene, step: float = 1.0, tolerance: float = 1 / 255, strays: float = 0.0, refine: str = "none"
+) -> None:
+    """By straight lines unless told: what is found one by one is in ``test_crossings.py``."""
+    image = renderer.render(drawn, SIZE, step=step, driver=al.driver.March(refine=refine))
+    truth = reference.render(drawn, SIZE, step=step, refine=refine)
     error = np.sort(np.abs(image.rgba - truth.rgba).max(axis=-1).ravel())
     assert error[: error.size - int(strays * error.size)].max() <= tolerance
     met = np.isfinite(truth.depth)
@@ -77,7 +81,7 @@ def test_parity_of_the_fast_stage(any_renderer, name):
 def test_several_in_one_slab(renderer, name, step):
     """Steps so large that slabs cross many surfaces: blended in order, the medium between them attenuated."""
     drawn = with_function(FUNCTIONS[name], shade="none")
-    error = renderer.render(drawn, SIZE, step=step).stats["layers"][0]["errors"]
+    error = renderer.render(drawn, SIZE, step=step, driver=STRAIGHT).stats["layers"][0]["errors"]
     compare(renderer, drawn, step=step, tolerance=1 / 255 + sum(error.values()))
 
 
@@ -198,14 +202,14 @@ def test_stages_that_draw_none_say_so(renderer):
         renderer.render(with_function(ONE, transfer="postclassified"), SIZE)
     full = function().with_surfaces([Surface(v / 4) for v in range(300)])
     with pytest.raises(LimitError, match="are 300 in a medium, where at most 256 fit"):
-        renderer.render(with_function(full), SIZE)
+        renderer.render(with_function(full), SIZE, driver=STRAIGHT)
 
 
 def test_statistics_name_the_stage_and_the_error(renderer):
-    layer = renderer.render(with_function(IN_MEDIUM), SIZE).stats["layers"][0]
+    layer = renderer.render(with_function(IN_MEDIUM), SIZE, driver=STRAIGHT).stats["layers"][0]
     assert layer["stages"]["transfer"] == "preintegrated_surfaces"
     assert 0 < layer["errors"]["transfer: colour of a slab with several surfaces"] < 1e-3
-    assert renderer.render(with_function(ONE), SIZE).stats["layers"][0]["errors"] == {}
+    assert renderer.render(with_function(ONE), SIZE, driver=STRAIGHT).stats["layers"][0]["errors"] == {}
 
 
 def test_what_thins_a_slab_thins_its_surface(renderer):

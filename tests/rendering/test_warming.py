@@ -17,6 +17,9 @@ EDITS = {
     "empty within": [(0, "red", 1), (0.25, "red", 0), (0.5, "red", 0), (1, "white", 1)],
     "empty within, anywhere": [(0, "red", 1), (0.25, "red", 0), (0.523456, "red", 0), (1, "white", 1)],
     "empty before, open behind": [(0, "red", 0), (0.5, "red", 0), (1, "white", 1)],
+    "opaque step": [(0, "red", 0), (0.5, "red", 90), (0.5, "blue", 90), (1, "white", 0)],
+    "opaque step, open ends": [(0, "red", 1), (0.5, "red", 90), (0.5, "blue", 90), (1, "white", 1)],
+    "opaque step, empty within": [(0, "red", 1), (0.2, "red", 0), (0.5, "blue", 0), (0.5, "blue", 90), (1, "white", 1)],
 }
 
 

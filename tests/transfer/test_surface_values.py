@@ -14,7 +14,7 @@ import airlight as al
 from airlight import Surface
 from airlight.errors import ValueRangeError
 from airlight.transfer import TransferFunction
-from airlight.transfer.crossings import bin_count, crossing_error, pair_texels, surface_texels
+from airlight.transfer.crossings import ROWS_ALONE, bin_count, crossing_error, pair_texels, surface_texels
 
 share = st.floats(0, 1, allow_subnormal=False).map(lambda x: round(x, 3))
 colour = st.tuples(share, share, share)
@@ -124,7 +124,7 @@ def test_bins_find_the_number_of_any_value(values, seed):
         row = rows[min(int(place), bins - 1)]
         number = int(row[0] + (s >= row[1:]).sum())
         if s >= row[3]:
-            while number < len(isos) and s >= rows[bins + number, 0]:
+            while number < len(isos) and s >= rows[bins + ROWS_ALONE * number, 0]:
                 number += 1
         assert number == np.searchsorted(isos, s, side="right")
 

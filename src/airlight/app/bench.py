@@ -1,90 +1,133 @@
-"""``airlight bench``: times of a small, fixed set of scenes."""
+"""``airlight bench``: time and error of a small, fixed set of scenes on this machine."""
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-import numpy as np
 from cyclopts import Parameter
 
-from ..scene import Look, Scene
-from ..stage import Stage
-from ..stages.shade import BlinnPhong
-from ..transfer import TransferFunction
-from ..volume import Volume
+from ..benchmark.peers import vtk_is_there, vtk_rows
+from ..benchmark.report import machine, table
+from ..benchmark.suite import Plan, measured
+from ..errors import FileError, MissingExtraError, ValueRangeError
+from ..files import write_text
 from .parse import parse_size
-from .render import plain
+from .progress import ProgressBar
+from .render import check_output, plain
 
-REPEATS = 3
-LOOKS: dict[str, dict[str, str | Stage]] = {
-    "post-classified, unshaded": {"transfer": "postclassified", "shade": "none"},
-    "pre-integrated, unshaded": {"transfer": "preintegrated", "shade": "none"},
-    "pre-integrated, shaded": {"transfer": "preintegrated", "shade": BlinnPhong()},
-    "pre-integrated, shaded, precomputed gradients": {"shade": BlinnPhong(), "gradient": "precomputed"},
-    "maximum intensity": {"integrate": "mip"},
-    "first hit": {"integrate": "first_hit"},
-}
+ENDINGS = (".json", ".md")
+QUICK = Plan((128, 128), (48, 48), voxels=48, repeats=1, seconds=1.0)
+MOST_VOXELS = 1024
 
 
 def bench(
     *,
-    size: Annotated[str, Parameter(metavar="WxH", help="Width and height in pixels; 512x512 unless told.")] = "512x512",
-    voxels: Annotated[int, Parameter(help="Voxels along each axis of the computed volume; 128 unless told.")] = 128,
-    output: Annotated[
-        str | None, Parameter(name=["--json", "-o"], metavar="FILE.json", help="Also write the JSON to a file.")
+    size: Annotated[str | None, Parameter(metavar="WxH", help="Width and height in pixels; 512x512 unless told.")] = None,
+    voxels: Annotated[int | None, Parameter(help="Voxels along each axis of the computed volumes; 128 unless told.")] = None,
+    quick: Annotated[bool, Parameter(negative="", help="Small pictures of small volumes: does it work?")] = False,
+    seconds: Annotated[
+        float | None,
+        Parameter(help="About how long pictures are timed, 30 unless told; comparing and VTK take as much again."),
     ] = None,
+    vtk: Annotated[
+        Literal["auto", "yes", "no"],
+        Parameter(help="Also time VTK's mappers on the scenes that it has; auto: where VTK is installed."),
+    ] = "auto",
+    output: Annotated[
+        tuple[str, ...],
+        Parameter(
+            name=["--output", "-o", "--json"],
+            metavar="FILE",
+            negative="",
+            consume_multiple=False,
+            allow_leading_hyphen=True,
+            help="Also write the results, all numbers to a .json file or the tables to a .md file; repeatable.",
+        ),
+    ] = (),
     device: Annotated[str | None, Parameter(metavar="NAME", help="Adapter, by a part of its name or kind.")] = None,
 ) -> None:
-    """Time a fixed set of scenes of a computed volume; the first frame of each is not counted. Prints a table, then JSON.
+    """Measure how long a fixed set of scenes takes on this machine, and how far each picture is from the converged one.
 
-    For instance:
+    The scenes are computed; nothing is fetched. For instance:
 
         airlight bench
-        airlight bench --size 1024x1024 --voxels 256 -o bench.json
+        airlight bench --quick
+        airlight bench --size 1024x1024 --voxels 256 -o bench.json -o bench.md
     """
-    results = run(parse_size(size), voxels, device)
-    _print_table(results)
-    text = json.dumps(results, indent=2, default=plain)
+    for target in output:
+        if target == "-":
+            raise FileError("-o -", "is where the tables go anyway", "name a file")
+        check_output(target, ENDINGS)
+    if vtk == "yes" and not vtk_is_there():
+        raise MissingExtraError("--vtk yes", "needs VTK", "pip install vtk")
+    plan = make_plan(size, voxels, quick, seconds)
+    with ProgressBar() as progress:
+        results = run(plan, device, vtk != "no" and vtk_is_there(), progress)
+    text = report(results)
     print(text)
-    if output is not None:
-        Path(output).write_text(text + "\n", encoding="utf-8")
+    for target in output:
+        as_json = target.lower().endswith(".json")
+        write_text(Path(target), (json.dumps(results, indent=2, default=plain) if as_json else text) + "\n")
 
 
-def run(size: tuple[int, int] = (512, 512), voxels: int = 128, device: str | None = None) -> dict[str, Any]:
-    """Render each scene ``1 + REPEATS`` times and return the fastest frame of each, with its statistics."""
+def make_plan(size: str | None, voxels: int | None, quick: bool, seconds: float | None) -> Plan:
+    """How much is measured, of what was typed."""
+    base = QUICK if quick else Plan()
+    size_px = base.size_px if size is None else parse_size(size)
+    voxels = base.voxels if voxels is None else voxels
+    if not 8 <= voxels <= MOST_VOXELS:
+        raise ValueRangeError("--voxels", f"is {voxels}, must lie in [8, {MOST_VOXELS}]")
+    seconds = base.seconds if seconds is None else seconds
+    if not 0 <= seconds <= 3600:
+        raise ValueRangeError("--seconds", f"is {seconds:g}, must lie in [0, 3600]")
+    width, height = (min(n, most) for n, most in zip(size_px, base.error_size_px, strict=True))
+    return Plan(size_px, (width, height), voxels, base.repeats, seconds)
+
+
+def run(plan: Plan, device: str | None, with_vtk: bool, progress: Any) -> dict[str, Any]:
+    """Measure all scenes, in airlight and, if asked, in VTK."""
     from ..rendering.renderer import Renderer
 
-    volume = shells(voxels)
-    rows = []
-    adapter: Any = None
     with Renderer(device=device) as renderer:
-        for name, look in LOOKS.items():
-            scene = Scene(volume, transfer=FUNCTION, look=Look(**look), camera="iso")
-            frames = [renderer.render(scene, size).stats for _ in range(1 + REPEATS)]
-            best = min(frames[1:], key=lambda stats: stats["milliseconds"]["total"])
-            first = frames[0]["milliseconds"]["total"]
-            adapter = best["adapter"]
-            rows.append({"scene": name, "first": first, "milliseconds": best["milliseconds"], "samples": best["samples"]})
-    return {"adapter": adapter, "size": list(size), "voxels": voxels, "repeats": REPEATS, "scenes": rows}
+        adapter, rows = measured(renderer, plan, progress)
+    if with_vtk:
+        progress("VTK", 0, 0)
+        rows += vtk_rows(plan)
+    return machine() | {"adapter": adapter, "plan": vars(plan), "rows": rows}
 
 
-def shells(voxels: int) -> Volume:
-    """Nested shells in a ball: some space is empty, some is dense."""
-    axis = np.linspace(-1, 1, voxels, dtype=np.float32)
-    radius = np.sqrt(axis[:, None, None] ** 2 + axis[None, :, None] ** 2 + axis[None, None, :] ** 2)
-    values = np.where(radius < 1, 0.5 + 0.5 * np.cos(12 * np.pi * radius), 0) * 255
-    return Volume(values.astype(np.uint8), name="shells")
+def report(results: dict[str, Any]) -> str:
+    """Markdown of what was measured."""
+    plan, adapter = results["plan"], results["adapter"]
+    width, height = plan["size_px"]
+    small_width, small_height = plan["error_size_px"]
+    drawn = [row for row in results["rows"] if "failed" not in row]
+    lines = [
+        f"{adapter.get('name', 'no adapter')} ({adapter.get('kind', '')}), {results['cores']} cores, {width}x{height} pixels, "
+        f"{plan['voxels']}^3 voxels.",
+        f"Medians; errors at {small_width}x{small_height} against the renderer's own picture at 1/8 voxel, in levels of 255.",
+        "",
+        table([_shown(row) for row in drawn]) if drawn else "Nothing could be drawn.",
+    ]
+    lines += [f"{row['renderer']}, {row['scene']}: {row['failed']}" for row in results["rows"] if "failed" in row]
+    return "\n".join(lines)
 
 
-FUNCTION = TransferFunction([(100, "#204060", 0.0), (180, "#e08040", 0.02), (255, "white", 0.3)])
-
-
-def _print_table(results: dict[str, Any]) -> None:
-    width, height = results["size"]
-    print(f"{results['adapter']['name']}, {width}x{height}, {results['voxels']}^3 voxels, best of {results['repeats']}")
-    print(f"{'scene':<46} {'samples':>12} {'Msamples/s':>11} {'ms':>8}  of which")
-    for row in results["scenes"]:
-        times = dict(row["milliseconds"])
-        total = times.pop("total")
-        passes = ", ".join(f"{name} {ms:.1f}" for name, ms in times.items())
-        print(f"{row['scene']:<46} {row['samples']:>12,} {row['samples'] / total / 1e3:>11.1f} {total:>8.1f}  {passes}")
+def _shown(row: dict[str, Any]) -> dict[str, Any]:
+    times = dict(row["milliseconds"])
+    total = times.pop("total")
+    passes = ", ".join(f"{name} {ms['median']:.1f}" for name, ms in times.items())
+    samples = row.get("samples")
+    return {
+        "scene": row["scene"],
+        "renderer": row["renderer"],
+        "step": row["step"],
+        "ms": total["median"],
+        "least": total["min"],
+        "samples/pixel": row.get("samples_a_pixel"),
+        "Msamples/s": None if samples is None else samples / total["median"] / 1e3,
+        "rmse": 255 * row["error"]["rmse"],
+        "max": 255 * row["error"]["max"],
+        "psnr dB": row["error"]["psnr_db"],
+        "passes": passes,
+    }

@@ -11,15 +11,18 @@ from typing import Any
 import numpy as np
 
 from ..errors import DataError, ValueRangeError
-from ..first_picture import automatic_channels, first_picture, projection_transfer
+from ..first_picture import automatic_channels, first_picture, projection_transfer, resolved_camera
 from ..scene import VIEWS, Camera, Layer, Look, Scene, fit_camera
 from ..stage import Stage
-from ..stages.camera import Orthographic, Perspective
+from ..stages.camera import Orthographic, Perspective, Stereo
 from ..transfer import Surface, TransferFunction, presets
 from ..transfer.colormaps import colours_of
 from ..volume import Volume
+from .clips import cropped, parse_clips, parse_crop, with_clips
 from .inputs import open_named
 from .labels import LabelOptions, with_labels
+from .lights import check_lit, parse_lights
+from .meshes import boxes, open_meshes, parse_mesh
 from .options import SLOTS, DrawOptions, LookOptions, ReadOptions, ViewOptions
 from .parse import (
     parse_background,
@@ -99,9 +102,13 @@ def make_job(
         raise ValueRangeError("--channels", "and --channel exclude each other", "leave one of them out")
     surfaces = parse_iso(look.iso)
     camera = None if view.camera is None else parse_camera(view.camera)
+    clips, crop = parse_clips(view.clip), None if view.crop is None else parse_crop(view.crop)
     arguments = _draw_arguments(draw)
     changes: dict[str, Any] = {} if camera is None else {"camera": camera}
     environment = environment_of(look.environment, look.environment_turn)
+    if look.light:
+        changes["lights"] = parse_lights(look.light)
+    meshes = tuple(parse_mesh(text) for text in look.mesh)
     if view.background is not None and view.background != BACKGROUND:
         changes["background"] = parse_background(view.background)
     if is_scene(path):
@@ -112,7 +119,7 @@ def make_job(
         size = size or options.get("size") or SIZE
     else:
         size = size or SIZE
-        scene = _picture_of(open_input(path, read, progress), size, look, colours)
+        scene = _picture_of(open_input(path, read, progress), _of_one_eye(size) if view.stereo else size, look, colours)
     layers = tuple(_with_look(layer, look, stages) for layer in scene.layers)
     if look.channels is not None:
         layers = tuple(
@@ -126,12 +133,19 @@ def make_job(
         layers = tuple(_with_surfaces(layer, surfaces, alone=not given and not is_scene(path)) for layer in layers)
     if labels is not None:
         layers = tuple(with_labels(layer, labels, progress, parse_bytes(read.max_memory)) for layer in layers)
-    layers = tuple(lit_by(layer, environment, look.shade is not None) for layer in layers)
-    scene = dataclasses.replace(scene, layers=layers, **changes)
+    layers = tuple(cropped(lit_by(layer, environment, look.shade is not None), crop) for layer in layers)
+    if look.light:
+        check_lit(layers)
+    if look.mesh or look.box is not None:
+        drawn = () if look.box is None else boxes(layers, look.box)
+        changes["meshes"] = (*scene.meshes, *open_meshes(meshes), *drawn)
+    scene = with_clips(dataclasses.replace(scene, layers=layers, **changes), clips)
     if view.background == BACKGROUND:
         scene = dataclasses.replace(scene, background=seen_behind(scene, environment))
     elif environment is not None:
         check_lights(layers, look.shade)
+    if view.stereo:
+        scene = stereo(scene, size)
     return Job(orthographic(scene, size) if view.orthographic else scene, size, arguments)
 
 
@@ -250,3 +264,18 @@ def orthographic(scene: Scene, size: tuple[int, int]) -> Scene:
     height = 2 * math.dist(camera.eye, camera.target) * math.tan(math.radians(camera.fov_deg) / 2)
     parallel = Camera.orthographic(eye=camera.eye, target=camera.target, up=camera.up, height=height)
     return dataclasses.replace(scene, camera=parallel)
+
+
+def stereo(scene: Scene, size: tuple[int, int]) -> Scene:
+    """Return the scene with the views of both eyes side by side; each shows what the perspective camera shows at its target."""
+    camera = resolved_camera(scene, _of_one_eye(size))
+    if isinstance(camera, Stereo):
+        return scene
+    if not isinstance(camera, Perspective):
+        raise ValueRangeError("--stereo", f"does not go with the camera {camera.name}", "leave it out")
+    eyes = Camera.stereo(eye=camera.eye, target=camera.target, up=camera.up, fov_deg=camera.fov_deg)
+    return dataclasses.replace(scene, camera=eyes)
+
+
+def _of_one_eye(size: tuple[int, int]) -> tuple[int, int]:
+    return max(size[0] // 2, 1), size[1]

@@ -17,7 +17,7 @@ COMMANDS = {
     "devices": "List the adapters that can render, and which is chosen.",
     "demo": "Fetch a sample volume and render it.",
     "explain": "Print the program that draws a volume or a scene.",
-    "bench": "Time a fixed set of scenes.",
+    "bench": "Measure time and error of a fixed set of scenes.",
     "stages": "List slots, stages and their parameters.",
     "histogram": "Draw how many samples have which value and gradient.",
     "presets": "List transfer functions by name, and colour maps.",

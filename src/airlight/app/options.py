@@ -96,6 +96,32 @@ class LookOptions:
             help="Turn of the environment about the vertical, counterclockwise from above.",
         ),
     ] = None
+    light: Annotated[
+        tuple[str, ...],
+        Parameter(
+            group=LOOK,
+            metavar="LIGHT",
+            negative="",
+            consume_multiple=False,
+            help="Light of the scene: head, directional or point, with parameters: head:intensity=0.5, "
+            "directional:to_light=[0,-1,1],color=white,intensity=0.8, point:position=[0,-300,100],radius=200 (in the world; "
+            "without a radius there is no fall-off). Repeatable; one head light unless told.",
+        ),
+    ] = ()
+    mesh: Annotated[
+        tuple[str, ...],
+        Parameter(
+            group=LOOK,
+            metavar="FILE",
+            negative="",
+            consume_multiple=False,
+            help="Mesh that shares its depth with the volume: STL, OBJ, PLY or GLB, with options as in "
+            "skull.stl:color=ivory,opacity=0.4,smooth=false. Repeatable.",
+        ),
+    ] = ()
+    box: Annotated[str | None, Parameter(group=LOOK, metavar="COLOUR", help="Edges of the volume's box, in this colour.")] = (
+        None
+    )
     lighting: Annotated[str | None, _stage("lighting", "Where a slab is lit")] = None
     visibility: Annotated[str | None, _stage("visibility", "Shadows")] = None
     integrate: Annotated[str | None, _stage("integrate", "What is gathered along a ray", "first_hit:iso=300")] = None
@@ -127,10 +153,41 @@ class ViewOptions:
             group=VIEW,
             metavar="VIEW",
             allow_leading_hyphen=True,
-            help=f'{", ".join(VIEWS)}, or "ex,ey,ez,tx,ty,tz": eye and target in the world; three more numbers give up.',
+            help=f'{", ".join(VIEWS)}, or "ex,ey,ez,tx,ty,tz": eye and target in the world; three more numbers give up. Or a '
+            f"kind with its parameters ({choices('camera')}), e.g. panorama:eye=[10,20,30],target=[10,50,30] or "
+            "dome:eye=[10,20,30],target=[10,50,30],angle_deg=220.",
+        ),
+    ] = None
+    clip: Annotated[
+        tuple[str, ...],
+        Parameter(
+            group=VIEW,
+            metavar="CLIP",
+            negative="",
+            consume_multiple=False,
+            help="Part of the world that is drawn: plane:normal=[0,1,0] (what lies where the normal points to; through the "
+            "middle of the volume, or point=[x,y,z]), box:low=[x,y,z],high=[x,y,z] or sphere:center=[x,y,z],radius=R, with "
+            "keep=outside to draw the rest and capped=true for solid faces. Repeatable: what all of them keep is drawn.",
+        ),
+    ] = ()
+    crop: Annotated[
+        str | None,
+        Parameter(
+            group=VIEW,
+            metavar="X0:X1,Y0:Y1,Z0:Z1",
+            help="Voxels that are drawn, from the first to the one before the last, e.g. 10:90,:,20: (see airlight info).",
         ),
     ] = None
     orthographic: Annotated[bool, Parameter(group=VIEW, negative="", help="Parallel rays.")] = False
+    stereo: Annotated[
+        bool,
+        Parameter(
+            group=VIEW,
+            negative="",
+            help="The views of the left and of the right eye side by side. Their distance: --camera stereo:eye=[...],"
+            "target=[...],interocular=65.",
+        ),
+    ] = False
     background: Annotated[
         str | None,
         Parameter(

@@ -76,11 +76,24 @@ def parse_background(text: str) -> tuple[float, float, float] | None:
 
 
 def parse_camera(text: str) -> Camera | str:
-    """Name of a view, or a camera at ``ex,ey,ez`` that looks to ``tx,ty,tz``, with up ``ux,uy,uz`` behind them if given."""
+    """Name of a view, or a camera at ``ex,ey,ez`` that looks to ``tx,ty,tz``, with up ``ux,uy,uz`` behind them if given.
+
+    Cameras of other kinds are stages with parameters, of which ``eye`` and ``target`` must be told.
+    """
     if text in VIEWS:
         return text
+    kind, _, rest = (part.strip() for part in text.partition(":"))
+    if kind in STAGES["camera"]:
+        values = assignments(rest, "--camera") if rest else {}
+        if not {"eye", "target"} <= values.keys():
+            example = f"e.g. {kind}:eye=[0,0,0],target=[0,1,0]"
+            raise ValueRangeError("--camera", f"is {text!r}, must tell eye and target", example)
+        camera = stage_from_values("camera", kind, values, "--camera")
+        assert isinstance(camera, Camera)
+        return camera
     if not re.match(r"[\s\d.+-]", text):
-        raise ValueRangeError("--camera", f"is {text!r}, must be one of {', '.join(VIEWS)}, or ex,ey,ez,tx,ty,tz")
+        kinds = "a kind with parameters as panorama:eye=[0,0,0],target=[0,1,0]"
+        raise ValueRangeError("--camera", f"is {text!r}, must be one of {', '.join(VIEWS)}, ex,ey,ez,tx,ty,tz, or {kinds}")
     numbers = parse_numbers(text, (6, 9), "--camera")
     (ex, ey, ez), (tx, ty, tz), up = numbers[:3], numbers[3:6], numbers[6:]
     if not up:

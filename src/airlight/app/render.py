@@ -54,7 +54,8 @@ def render(
         str | None,
         Parameter(
             metavar="FILE",
-            help="Also write the normals of surfaces (--integrate first_hit): .npy, or .png with 0.5 + 0.5 n as colours.",
+            help="Also write normals, of surfaces (--integrate first_hit) or where opacity passes one half: .npy, or .png with "
+            "0.5 + 0.5 n as colours.",
         ),
     ] = None,
     save_scene: Annotated[
@@ -73,7 +74,7 @@ def render(
         airlight render cells.ome.tif -o cells.png --channel 1 --integrate mip --background black
         airlight render cells.ome.tif -o mixture.png --channels 0=green,1=magenta
         airlight render head.nii.gz -o brain.png --labels atlas.nii.gz --label-names atlas.txt --hide-labels 0
-        airlight render mni-head -o mri.png --preset mri
+        airlight render mni-head -o mri.png --preset mri --light head:intensity=0.4 --light "directional:to_light=[-1,-1,2]"
         airlight render foot.raw -o foot.png --shape 256x256x256 --dtype uint8 --spacing 1,1,1
         airlight render scene.toml -o - --stats | display
     """
@@ -127,7 +128,9 @@ def notes(scene: Scene, image: Any, chosen: bool, own_channel: bool = False) -> 
             yield f"by the file's axes this is the {seen} view, chosen from the data; --camera chooses another"
     if layer.labels is not None and _lie_apart(layer.volume, layer.labels.volume):
         yield "the labels lie outside of the image: airlight info FILE tells where each of them lies"
-    if not image.rgba.any():
+    if "reason" in image.stats:
+        yield f"nothing is visible: {image.stats['reason']}"
+    elif not image.rgba.any():
         known = statistics(layer.volume, layer.channel, layer.time)
         yield f"nothing is visible: the data run from {known.minimum:g} to {known.maximum:g}; see --tf, --preset and --camera"
 

@@ -10,6 +10,7 @@ all pixels between rings.
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
 import numpy as np
@@ -26,7 +27,7 @@ ROWS_PER_WIDTH = 8.0  # pixels that a lobe needs, over the inverse of its width
 LEAST_WIDTH, LAYERS_PER_OCTAVE = 1 / 64, 2
 WIDTHS = tuple(LEAST_WIDTH * 2 ** (k / LAYERS_PER_OCTAVE) for k in range(13))  # GGX alpha of the layers behind the mirror's
 LAYERS = len(WIDTHS) + 1
-REFLECTION_TEXELS, REFLECTION_NODES = 64, 40
+REFLECTION_TEXELS, HEIGHT_NODES, TURN_NODES = 64, 64, 8
 
 
 @lru_cache(maxsize=4)
@@ -40,10 +41,18 @@ def light_maps(source: Source) -> npt.NDArray[np.float32]:
     maps = np.ones((LAYERS, TEXELS, TEXELS, 4), dtype=np.float32)
     sharp = resized(picture, *(min(n, most) for n, most in zip(picture.shape[:2], (ROWS, 2 * ROWS), strict=True)))
     maps[0, ..., :3] = linear_at(sharp, directions)
-    for layer, alpha in enumerate(WIDTHS, start=1):
-        rows = int(np.clip(ROWS_PER_WIDTH / alpha, LEAST_ROWS, ROWS))
-        rings = means_on_rings(resized(picture, rows, 2 * rows), alpha)
-        maps[layer, ..., :3] = np.maximum(cubic_at(rings, directions), 0.0)
+    by_rows = [int(np.clip(ROWS_PER_WIDTH / alpha, LEAST_ROWS, ROWS)) for alpha in WIDTHS]
+
+    def fill(rows: int) -> None:
+        """Lobes that ask for equally fine pixels share them, and the way from rings to texels."""
+        layers = [layer for layer, asked in enumerate(by_rows, start=1) if asked == rows]
+        seen = resized(picture, rows, 2 * rows)
+        rings = np.concatenate([means_on_rings(seen, WIDTHS[layer - 1]) for layer in layers], axis=-1)
+        found = cubic_at(rings, directions).reshape(TEXELS, TEXELS, len(layers), 3)
+        maps[layers, ..., :3] = np.maximum(np.moveaxis(found, 2, 0), 0.0)
+
+    with ThreadPoolExecutor() as pool:
+        list(pool.map(fill, sorted(set(by_rows), reverse=True)))
     maps.setflags(write=False)
     return maps
 
@@ -76,7 +85,9 @@ def means_on_rings(picture: FloatArray, alpha: float) -> FloatArray:
     around = np.cos(2 * np.pi * half / width)
     polar = np.pi * (np.arange(height) + 0.5) / height
     areas = row_areas(height, width)
-    waves = np.fft.rfft(picture, axis=1) * areas[:, None, None]
+    transform = np.fft.rfft(np.moveaxis(picture, 2, 0), axis=2) * areas[:, None]
+    # Real and imaginary parts lie apart, row by row: what follows are products of real numbers along memory.
+    waves = np.ascontiguousarray(np.concatenate([transform.real, transform.imag]))
     rings = np.empty((height + 1, width, 3))
     for ring in range(height // 2 + 1):
         at = np.pi * ring / height
@@ -84,8 +95,9 @@ def means_on_rings(picture: FloatArray, alpha: float) -> FloatArray:
         # An even row is its own mirror image: its transform is real, and made of half of it.
         weights = np.fft.hfft(lobe(cosine, alpha), width, axis=1)[:, : len(half)]
         total = (weights[:, 0] * areas).sum()
-        for place, seen in ((ring, waves), (height - ring, waves[::-1])):
-            rings[place] = np.fft.irfft(np.einsum("sm,smc->mc", weights, seen), width, axis=0) / total
+        for place, seen in ((ring, waves), (height - ring, waves[:, ::-1])):
+            parts = np.einsum("sm,csm->cm", weights, seen)
+            rings[place] = np.fft.irfft(parts[:3] + 1j * parts[3:], width).T / total
     return rings
 
 
@@ -97,23 +109,30 @@ def reflection_table() -> npt.NDArray[np.float32]:
     albedo ``f0 a + f90 b`` under Schlick's Fresnel factor, with Smith's height-correlated shadowing.
     """
     n = REFLECTION_TEXELS
-    places, weights = (part / 2 for part in np.polynomial.legendre.leggauss(REFLECTION_NODES))
     cosines, roughness = np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n))
     n_v, alpha2 = np.maximum(cosines, 1e-4), np.maximum(roughness**2, 1e-4) ** 2
     table = np.zeros((1, n, n, 4))
+    eye_aside, eye_root = np.sqrt(1 - n_v**2), np.sqrt(n_v**2 * (1 - alpha2) + alpha2)
     # Half vectors in proportion to GGX; either side of the eye is like the other.
-    for turn, turn_weight in zip(places + 0.5, weights, strict=True):
-        for u, weight in zip(places + 0.5, weights * turn_weight, strict=True):
-            h_z = np.sqrt((1 - u) / (1 + (alpha2 - 1) * u))
-            v_h = np.sqrt(1 - n_v**2) * np.sqrt(1 - h_z**2) * np.cos(np.pi * turn) + n_v * h_z
-            n_l = 2 * v_h * h_z - n_v
-            lit = n_l > 0
-            n_l = np.where(lit, n_l, 1.0)
-            smith = n_l * np.sqrt(n_v**2 * (1 - alpha2) + alpha2) + n_v * np.sqrt(n_l**2 * (1 - alpha2) + alpha2)
-            share = np.where(lit, 2 * n_l * np.maximum(v_h, 0.0) / (h_z * smith), 0.0) * weight
+    for u, weight in _nodes(HEIGHT_NODES):
+        h_z = np.sqrt((1 - u) / (1 + (alpha2 - 1) * u))
+        aside = eye_aside * np.sqrt(1 - h_z**2)
+        # They turn about the normal as far as what they reflect stays above the surface.
+        widest = np.arccos(np.clip(n_v * (0.5 / h_z - h_z) / np.maximum(aside, 1e-12), -1.0, 1.0))
+        for turn, turn_weight in _nodes(TURN_NODES):
+            v_h = aside * np.cos(widest * turn) + n_v * h_z
+            n_l = np.maximum(2 * v_h * h_z - n_v, 0.0)
+            smith = n_l * eye_root + n_v * np.sqrt(n_l**2 * (1 - alpha2) + alpha2)
+            share = 2 * n_l * v_h / (h_z * smith) * (weight * turn_weight / np.pi) * widest
             grazing = (1 - np.clip(v_h, 0.0, 1.0)) ** 5
             table[0, ..., 0] += share * (1 - grazing)
             table[0, ..., 1] += share * grazing
     kept = table.astype(np.float32)
     kept.setflags(write=False)
     return kept
+
+
+def _nodes(count: int) -> list[tuple[float, float]]:
+    """Nodes of Gauss' rule on [0, 1] with their weights."""
+    places, weights = np.polynomial.legendre.leggauss(count)
+    return [(float(place + 1) / 2, float(weight) / 2) for place, weight in zip(places, weights, strict=True)]

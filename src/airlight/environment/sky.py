@@ -60,7 +60,7 @@ def picture(
     of_sky = (pixels * up * areas).sum(axis=(0, 1))
     luminance = of_sky @ np.array([0.2126, 0.7152, 0.0722])
     if sun > 0:
-        pixels = pixels + disc * (sun * luminance * sun_colour(to_sun[2], turbidity) / (disc[..., :1] * areas).sum())
+        pixels = pixels + disc * (sun * luminance * sun_colour(to_sun[2], turbidity) / (disc * areas).sum())
     level = (pixels * up * areas).sum(axis=(0, 1)) / np.pi
     pixels = pixels + averaged(lambda directions: (directions[..., 2:] < 0) * (np.array(ground) * level), rows, 1)
     return np.asarray(pixels / (level @ np.array([0.2126, 0.7152, 0.0722])), dtype=np.float32)
@@ -92,10 +92,10 @@ def _perez(cosine: FloatArray, gamma: FloatArray, c: FloatArray) -> FloatArray:
 
 
 def _sun_disc(directions: FloatArray, to_sun: FloatArray) -> FloatArray:
-    """1 in the sun, falling to 0 over its edge, (..., 3)."""
+    """1 in the sun, falling to 0 over its edge, (..., 1)."""
     angle = np.arccos(np.clip(directions @ to_sun, -1.0, 1.0))
     disc = np.clip((SUN_RADIUS_RAD + SUN_EDGE_RAD / 2 - angle) / SUN_EDGE_RAD, 0.0, 1.0) * (directions[..., 2] >= 0)
-    return np.repeat(disc[..., None], 3, axis=-1)
+    return np.asarray(disc[..., None])
 
 
 def sun_colour(height: float, turbidity: float) -> FloatArray:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any, ClassVar, Protocol
@@ -14,7 +13,7 @@ import numpy.typing as npt
 
 from ..errors import DataError, ValueRangeError
 from ..transfer.colour import linear_rgb
-from ..transfer.given import finite
+from ..transfer.given import direction, finite
 from . import sky, studio
 
 Vector = tuple[float, float, float]
@@ -87,14 +86,10 @@ class Sky(_Analytic):
     def __post_init__(self) -> None:
         """Check the parameters; the direction gets length one."""
         where = "environment.sky"
-        given = self.to_sun if np.shape(self.to_sun) == (3,) else (0.0, 0.0, 0.0)
-        x, y, z = (finite(c, f"{where}.to_sun") for c in given)
-        length = math.hypot(x, y, z)
-        if not (length > 0 and z >= 0):
-            raise ValueRangeError(f"{where}.to_sun", f"is {self.to_sun!r}, must be a direction at or above the horizon, z >= 0")
-        if abs(length - 1) > 1e-14:
-            x, y, z = x / length, y / length, z / length
-        object.__setattr__(self, "to_sun", (x, y, z))
+        to_sun = direction(self.to_sun, f"{where}.to_sun")
+        if to_sun[2] < 0:
+            raise ValueRangeError(f"{where}.to_sun", f"is {self.to_sun!r}, must be at or above the horizon, z >= 0")
+        object.__setattr__(self, "to_sun", to_sun)
         for name, low, high in (("turbidity", 1.7, 10.0), ("sun", 0.0, 1e3)):
             value = finite(getattr(self, name), f"{where}.{name}")
             if not low <= value <= high:

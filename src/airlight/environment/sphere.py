@@ -13,6 +13,8 @@ import numpy as np
 
 from ..volume import FloatArray
 
+ROWS_AT_ONCE = 16  # of a picture: what is computed of them stays in a processor's cache
+
 
 def pixel_directions(rows: int, columns: int) -> FloatArray:
     """Directions (rows, columns, 3) through the middles of the pixels of an equirectangular picture."""
@@ -24,9 +26,13 @@ def pixel_directions(rows: int, columns: int) -> FloatArray:
 
 
 def averaged(radiance: Callable[[FloatArray], FloatArray], rows: int, per_side: int = 2) -> FloatArray:
-    """Picture (rows, 2 rows, 3) of a function of directions: means over ``per_side`` x ``per_side`` in each pixel."""
-    fine = radiance(pixel_directions(rows * per_side, 2 * rows * per_side))
-    return np.asarray(fine.reshape(rows, per_side, 2 * rows, per_side, 3).mean(axis=(1, 3)))
+    """Picture (rows, 2 rows, c) of a function of directions: means over ``per_side`` x ``per_side`` in each pixel."""
+    directions = pixel_directions(rows * per_side, 2 * rows * per_side)
+    parts = []
+    for first in range(0, len(directions), ROWS_AT_ONCE * per_side):
+        fine = radiance(directions[first : first + ROWS_AT_ONCE * per_side])
+        parts.append(fine.reshape(-1, per_side, 2 * rows, per_side, fine.shape[-1]).mean(axis=(1, 3)))
+    return np.concatenate(parts)
 
 
 def places(directions: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -92,12 +98,15 @@ def cubic_at(rings: FloatArray, directions: FloatArray) -> FloatArray:
     left, top = np.floor(column).astype(np.int64), np.clip(np.floor(row).astype(np.int64), 0, n - 1)
     # Beyond a pole the next ring is the same one, half a turn on.
     turned = np.roll(rings, width // 2, axis=1)
-    beyond = np.concatenate([turned[1:2], rings, turned[n - 1 : n]])
+    beyond = np.concatenate([turned[1:2], rings, turned[n - 1 : n]]).reshape(-1, rings.shape[2])
     across = _catmull_rom(column - left)
+    columns = [(left + i - 1) % width for i in range(4)]
     found = np.zeros((*directions.shape[:-1], rings.shape[2]))
     for j, down in enumerate(_catmull_rom(row - top)):
-        for i, weight in enumerate(across):
-            found += (down * weight)[..., None] * beyond[top + j, (left + i - 1) % width]
+        line = np.zeros_like(found)
+        for weight, at in zip(across, columns, strict=True):
+            line += weight[..., None] * np.take(beyond, (top + j) * width + at, axis=0)
+        found += down[..., None] * line
     return found
 
 

@@ -52,6 +52,6 @@ def picture(key: float, fill: float, rim: float, room: float, rows: int) -> npt.
         z = directions[..., 2]
         grey = HORIZON + np.where(z > 0, z * (CEILING - HORIZON), -z * (FLOOR - HORIZON))
         bright = room * grey + key * KEY(directions) + fill * FILL(directions) + rim * RIM(directions)
-        return np.repeat(bright[..., None], 3, axis=-1)
+        return np.asarray(bright)[..., None]
 
-    return averaged(radiance, rows).astype(np.float32)
+    return np.repeat(averaged(radiance, rows).astype(np.float32), 3, axis=-1)

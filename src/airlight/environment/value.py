@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from ..errors import DataError, ValueRangeError
 from ..transfer.colour import Colour, linear_rgb
-from ..transfer.given import finite, listed
+from ..transfer.given import direction, finite
 from ..volume import FloatArray
 from .pixels import pixels_in
 from .sources import Picture, Sky, Source, Studio, Vector, White
@@ -175,12 +175,8 @@ class Environment:
             When the angle is not finite or the axis no direction.
         """
         angle = finite(angle_rad, "environment.turned.angle_rad")
-        parts = listed(axis, "environment.turned.axis", "give a direction of three numbers")
-        direction = np.array([finite(c, "environment.turned.axis") for c in parts])
-        length = float(np.linalg.norm(direction)) if direction.shape == (3,) else 0.0
-        if not (math.isfinite(length) and length > 0):
-            raise ValueRangeError("environment.turned.axis", f"is {axis!r}, must be a finite direction")
-        x, y, z = rotation_vector(rotation_matrix(direction * (angle / length)) @ rotation_matrix(np.asarray(self.turn)))
+        turn = angle * np.array(direction(axis, "environment.turned.axis"))
+        x, y, z = rotation_vector(rotation_matrix(turn) @ rotation_matrix(np.asarray(self.turn)))
         return replace(self, turn=(x, y, z))
 
     def __repr__(self) -> str:

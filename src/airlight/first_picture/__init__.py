@@ -103,6 +103,7 @@ def resolved_camera(scene: Scene, size_px: tuple[int, int]) -> Camera:
         for layer in scene.visible_layers or scene.layers
         for c in layer.volume.corners_world(cells=getattr(layer.look.field, "cells", False))
     ]
+    corners += [corner for shape in scene.meshes for corner in shape.corners_world]
     return fit_camera(scene.camera, corners, size_px[0] / size_px[1])
 
 

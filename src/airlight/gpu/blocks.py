@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,10 +13,12 @@ import wgpu
 
 from ..errors import LimitError
 from ..shader.program import Program
+from ..stage import BLOCK_VOXELS
 from . import compute
 from .device import Device
 
 MOST_LEAP = 15  # blocks: those before the next one that counts
+MOST_GROUPS = 4096
 Ranges = npt.NDArray[np.float32]
 
 
@@ -42,25 +46,86 @@ def compute_ranges(
     return np.frombuffer(device.queue.read_buffer(target), dtype=np.float32).reshape(z, y, x, 2)
 
 
-def leaps(ranges: Ranges, wanted: Sequence[tuple[float, float]]) -> npt.NDArray[np.uint8]:
-    """How far each block (z, y, x) is from the next that holds one of the wanted values, in blocks along the farthest axis.
+def occupied(ranges: Ranges, empty: Sequence[tuple[float, float]]) -> npt.NDArray[np.bool_]:
+    """Whether there is something in each block (z, y, x): its values do not lie within one closed interval of ``empty``."""
+    found = np.ones(ranges.shape[:3], dtype=bool)
+    for first, last in empty:
+        outside = np.zeros_like(found)
+        if first > -np.inf:
+            outside |= ranges[..., 0] < first
+        if last < np.inf:
+            outside |= ranges[..., 1] > last
+        found &= outside
+    return found
 
-    At most ``MOST_LEAP``; 0 where a block itself meets one of the closed intervals ``wanted``.
+
+def leaps(near: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint8]:
+    """How far each block (z, y, x) is from the next in which there is something, in blocks along the farthest axis.
+
+    At most ``MOST_LEAP``; 0 where there is something in the block itself. What is near grows by a block all round, 64 blocks to
+    a word, and the steps that a block waits for it are counted in binary, a bit of all blocks at a time.
     """
-    low, high = ranges[..., 0], ranges[..., 1]
-    near = np.zeros(low.shape, dtype=np.uint8)
-    for first, last in wanted:
-        near |= ((low <= last) & (high >= first) & (low <= high)).view(np.uint8)
-    distance = np.zeros(low.shape, dtype=np.uint8)
+    words = _packed(near)
+    bits = [np.zeros_like(words) for _ in range(MOST_LEAP.bit_length())]
     for _ in range(MOST_LEAP):
-        distance += 1 - near
-        for axis in range(3):
-            line = np.moveaxis(near, axis, 0)
-            grown = line.copy()
-            grown[1:] |= line[:-1]
-            grown[:-1] |= line[1:]
-            near = np.moveaxis(grown, 0, axis)
+        carry = ~words
+        for bit in bits:
+            bit ^= carry
+            carry &= ~bit
+        words = _grown(words)
+    places = (np.unpackbits(bit.view(np.uint8), axis=-1, count=near.shape[2], bitorder="little") for bit in bits)
+    distance = np.zeros(near.shape, dtype=np.uint8)
+    for power, place in enumerate(places):
+        distance |= place << np.uint8(power)
     return distance
+
+
+def _packed(flags: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint64]:
+    """Flags (z, y, x) as words (z, y, ceil(x / 64)), the first in the lowest bit."""
+    rest = -flags.shape[2] % 64
+    octets = np.packbits(np.pad(flags, ((0, 0), (0, 0), (0, rest))), axis=-1, bitorder="little")
+    return octets.view(np.uint64)
+
+
+def _grown(words: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
+    """Words with each flag that has a neighbour, also across an edge or a corner."""
+    one, most = np.uint64(1), np.uint64(63)
+    grown: npt.NDArray[np.uint64] = words | words << one | words >> one
+    grown[..., 1:] |= words[..., :-1] >> most
+    grown[..., :-1] |= words[..., 1:] << most
+    for axis in (0, 1):
+        line, before = np.moveaxis(grown, axis, 0), np.moveaxis(grown.copy(), axis, 0)
+        line[1:] |= before[:-1]
+        line[:-1] |= before[1:]
+    return grown
+
+
+@dataclass(frozen=True, eq=False)
+class Leaps:
+    """Leaps as a texture; and groups of blocks in which there is something: each one's place (n, 3), x y z, and its side."""
+
+    texture: Any
+    groups: npt.NDArray[np.int64]
+    group_voxels: int
+
+    @property
+    def bytes(self) -> int:
+        """Bytes on the device and on the host."""
+        return int(math.prod(self.texture.size)) + self.groups.nbytes
+
+
+def make_leaps(device: Device, ranges: Ranges, empty: Sequence[tuple[float, float]]) -> Leaps:
+    """Leaps over blocks, on the device, and where there is something."""
+    near = occupied(ranges, empty)
+    active, side = near, BLOCK_VOXELS
+    while np.count_nonzero(active) > MOST_GROUPS:
+        for axis in range(3):
+            line = np.moveaxis(active, axis, 0)
+            pairs = line[::2].copy()
+            pairs[: len(line) // 2] |= line[1::2]
+            active = np.moveaxis(pairs, 0, axis)
+        side *= 2
+    return Leaps(upload_leaps(device, leaps(near)), np.argwhere(active)[:, ::-1], side)
 
 
 def upload_leaps(device: Device, texels: npt.NDArray[np.uint8]) -> Any:

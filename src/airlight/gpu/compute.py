@@ -40,10 +40,7 @@ def pipeline_of(device: Device, program: Program) -> Pipeline:
 
 
 def _compile(device: Device, program: Program) -> Pipeline:
-    layouts = []
-    for group in range(GROUPS):
-        entries = [_layout_entry(device, b) for b in program.bindings if b.group == group]
-        layouts.append(device.gpu.create_bind_group_layout(entries=entries))
+    layouts = layouts_of(device, program, wgpu.ShaderStage.COMPUTE)
     try:
         module = device.gpu.create_shader_module(code=program.linked.text)
         pipeline = device.gpu.create_compute_pipeline(
@@ -52,7 +49,16 @@ def _compile(device: Device, program: Program) -> Pipeline:
         )
     except wgpu.GPUError as error:
         raise shader_error(program, str(error)) from error
-    return Pipeline(program, pipeline, tuple(layouts))
+    return Pipeline(program, pipeline, layouts)
+
+
+def layouts_of(device: Device, program: Program, seen_by: int) -> tuple[Any, ...]:
+    """Layouts of the bind groups of a program, for these stages of a pipeline."""
+    layouts = []
+    for group in range(GROUPS):
+        entries = [_layout_entry(device, b) | {"visibility": seen_by} for b in program.bindings if b.group == group]
+        layouts.append(device.gpu.create_bind_group_layout(entries=entries))
+    return tuple(layouts)
 
 
 def shader_error(program: Program, message: str) -> ShaderError:
@@ -63,11 +69,11 @@ def shader_error(program: Program, message: str) -> ShaderError:
 
 
 def _layout_entry(device: Device, binding: Binding) -> dict[str, Any]:
-    entry: dict[str, Any] = {"binding": binding.index, "visibility": wgpu.ShaderStage.COMPUTE}
+    entry: dict[str, Any] = {"binding": binding.index}
     match binding.kind:
-        case "uniform":
+        case "uniform" | "lights":
             entry["buffer"] = {"type": "uniform"}
-        case "lights":
+        case "read":
             entry["buffer"] = {"type": "read-only-storage"}
         case "buffer":
             entry["buffer"] = {"type": "storage"}
@@ -78,6 +84,8 @@ def _layout_entry(device: Device, binding: Binding) -> dict[str, Any]:
         case "table" | "layers" | "loaded_grid":
             kind = "float" if device.traits.filters_float32 else "unfilterable-float"
             entry["texture"] = {"sample_type": kind, "view_dimension": "2d-array" if binding.kind == "layers" else "3d"}
+        case "numbers_2d" | "depth_2d":
+            entry["texture"] = {"sample_type": "uint" if binding.kind == "numbers_2d" else "depth", "view_dimension": "2d"}
         case "labels":
             entry["texture"] = {"sample_type": "uint", "view_dimension": "3d"}
         case "grid" | "gradients" | "openness" | "filtered":
@@ -110,6 +118,13 @@ def dispatch(device: Device, pipeline: Pipeline, groups: list[Any], counts: tupl
         compute.set_bind_group(number, group)
     compute.dispatch_workgroups(*counts)
     compute.end()
+    device.queue.submit([encoder.finish()])
+
+
+def clear(device: Device, target: Any) -> None:
+    """Fill a buffer with zeros."""
+    encoder = device.gpu.create_command_encoder()
+    encoder.clear_buffer(target)
     device.queue.submit([encoder.finish()])
 
 

@@ -88,6 +88,11 @@ class Device:
         software = self.info.kind == "software"
         return Traits("float32-filterable" in self.features, (16, 1) if software else (8, 8))
 
+    @cached_property
+    def strands(self) -> int:
+        """Into how many sets of rows, dealt out in turn, dispatches are cut: software gives each processor one stretch."""
+        return (os.cpu_count() or 1) if self.info.kind == "software" else 1
+
     @property
     def queue(self) -> Any:
         """The device's queue."""

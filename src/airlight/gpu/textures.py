@@ -151,14 +151,16 @@ def upload_grid(device: Device, grid: Grid, progress: Progress) -> VolumeTexture
             )
             progress("upload", first + part.shape[0], shape[2])
     if grid.levels:
-        _write_levels(device, grid, texture, encoding)
+        _write_levels(device, grid, texture, encoding, progress)
     voxel = width * np.dtype(encoding.dtype).itemsize
     return VolumeTexture(texture, encodings, voxel * sum(x * y * z for x, y, z in sizes))
 
 
-def _write_levels(device: Device, grid: Grid, texture: Any, encoding: Encoding) -> None:
+def _write_levels(device: Device, grid: Grid, texture: Any, encoding: Encoding, progress: Progress) -> None:
     """Fill the coarser levels of a texture of one channel."""
+    last = len(level_sizes(grid.volume.size)) - 1
     for number, level in enumerate(coarser(grid.volume.grid(grid.channels[0], grid.time)), 1):
+        progress("levels", number, last)
         part = np.ascontiguousarray(encode(level, encoding))
         device.queue.write_texture(
             {"texture": texture, "mip_level": number},

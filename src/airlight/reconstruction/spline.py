@@ -16,18 +16,18 @@ from ..volume import Volume
 POLE = math.sqrt(3) - 2
 REACH = 32  # samples after which the impulse response of a pole is below the rounding error of float64
 CHUNK_BYTES = 8 << 20
-KEPT_GRIDS = 4  # of a volume, each as large as a channel
+KEPT_GRIDS = 4  # of a volume, each as large as the channels that are drawn
 
 
-def coefficients(volume: Volume, channel: int, time: int) -> Volume:
-    """Volume of the coefficients of one channel, float32, on the same grid; a volume keeps the last four."""
+def coefficients(volume: Volume, channels: tuple[int, ...], time: int) -> Volume:
+    """Volume of the coefficients of channels, float32, on the same grid; a volume keeps the last four."""
 
     def make() -> Volume:
-        grid = volume.grid(channel, time)
-        return Volume(prefiltered(grid), world_from_index=volume.world_from_index, units=volume.units)
+        grids = np.stack([prefiltered(volume.grid(channel, time)) for channel in channels])
+        return Volume(grids, world_from_index=volume.world_from_index, units=volume.units)
 
-    kept: Kept[tuple[int, int], Volume] = volume.__dict__.setdefault("_coefficients", Kept(KEPT_GRIDS))
-    return kept.get((channel, time), make)
+    kept: Kept[tuple[tuple[int, ...], int], Volume] = volume.__dict__.setdefault("_coefficients", Kept(KEPT_GRIDS))
+    return kept.get((channels, time), make)
 
 
 def prefiltered(grid: npt.NDArray[np.generic]) -> npt.NDArray[np.float32]:

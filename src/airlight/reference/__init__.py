@@ -24,6 +24,7 @@ from . import occlusion as _occlusion  # noqa: F401  (it puts its function into 
 from . import projections as _projections  # noqa: F401  (its classes put themselves into INTEGRATES)
 from . import quantised as _quantised  # noqa: F401  (it puts its function into LIGHTINGS)
 from .camera import CAMERAS
+from .covers import covers, surface_setup
 from .environment import seen
 from .field import FIELDS
 from .gradient import GRADIENTS
@@ -94,6 +95,7 @@ def render(
     curved: bool = True,
     refine: str = "bisection",
     blocks: bool = True,
+    mesh_layers: int | None = None,
 ) -> ReferenceImage:
     """Render a scene of one visible layer.
 
@@ -118,6 +120,8 @@ def render(
         of that name does; ``converged`` never does.
     refine
         How the place of a surface between two samples is sharpened: none, bisection, secant or exact.
+    mesh_layers
+        Most semi-transparent layers of meshes that a ray meets; None is all.
     blocks
         Whether rays that look for surfaces are sampled in each block of voxels, whatever the step.
 
@@ -127,7 +131,8 @@ def render(
         When the scene does not have one visible layer with a transfer function, or a stage has no function here.
     """
     setup = prepare(scene)
-    return _image(scene, setup, size, step / (substeps or 1), pixels, progress, offset_fraction, curved, refine, blocks)
+    step /= substeps or 1
+    return _image(scene, setup, size, step, pixels, progress, offset_fraction, curved, refine, blocks, mesh_layers)
 
 
 def converged(
@@ -154,7 +159,7 @@ def prepare(scene: Scene) -> Setup:
     for slot, stage in stages.items():
         if slot in TABLES and stage.name not in TABLES[slot]:
             raise DataError(f"look.{slot}", f"is {stage.name}, which has no function here", "use reference.register")
-    return Setup(layer, layer.function, stages, scene.lights)
+    return Setup(layer, layer.function, stages, scene.lights, clips=scene.clips_of(layer))
 
 
 def _image(
@@ -168,6 +173,7 @@ def _image(
     curved: bool = False,
     refine: str = "bisection",
     blocks: bool = True,
+    mesh_layers: int | None = None,
 ) -> ReferenceImage:
     # Choose the camera.
     (width, height), camera, tone = size, scene.camera, setup.stages["tone"]
@@ -187,11 +193,13 @@ def _image(
         part = slice(first, first + RAYS_AT_ONCE)
         origin, direction = CAMERAS[camera.name](camera, size, x[part], y[part])
         fraction = 0.0 if offset_fraction is None else np.asarray(offset_fraction(x[part], y[part]), dtype=np.float64)
-        result = march(setup, origin, direction, step * setup.spacing_world, fraction, curved, refine, blocks)
+        found = covers(scene, surface_setup(setup), origin, direction, mesh_layers) if scene.meshes else None
+        result = march(setup, origin, direction, step * setup.spacing_world, fraction, curved, refine, blocks, found)
         rgba[part, :3], rgba[part, 3], depth[part] = result.rgb, result.alpha, result.t_world
         if isinstance(scene.background, Environment):
-            rgba[part, :3] += (1 - result.alpha)[:, None] * seen(scene.background, direction)
-            rgba[part, 3] = 1.0
+            looks = np.flatnonzero(direction.any(axis=1))
+            behind = (1 - result.alpha[looks])[:, None] * seen(scene.background, direction[looks])
+            rgba[first + looks] = np.column_stack([result.rgb[looks] + behind, np.ones(len(looks))])
         if progress is not None:
             progress(min(1.0, (first + RAYS_AT_ONCE) / len(x)))
     # Map the tones and put the pixels in rows.

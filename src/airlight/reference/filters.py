@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..transfer.channels import Channels
 from ..volume import FloatArray
 from .field import FIELDS, Values, trilinear
 from .setup import IntArray, Setup
@@ -91,7 +92,7 @@ def samples_of(setup: Setup) -> FloatArray:
         return setup.grid
     if "coefficients" not in setup.once:
         found = setup.grid
-        for axis, n in enumerate(found.shape):
+        for axis, n in enumerate(found.shape[:3]):
             # One equation a voxel; what lies beyond the faces equals the outer coefficients.
             matrix = np.zeros((n, n))
             for k, (step, weight) in product(range(n), ((-1, 1 / 6), (0, 4 / 6), (1, 1 / 6))):
@@ -101,37 +102,94 @@ def samples_of(setup: Setup) -> FloatArray:
     return setup.once["coefficients"]
 
 
+Total = Callable[[FloatArray], FloatArray]  # of samples (z, y, x) or (z, y, x, c): (n,) or (n, c) at the places asked for
+Slopes = Callable[[FloatArray], FloatArray]  # its derivative along x, y and z: (n, 3) or (n, 3, c)
+
+
+def known(setup: Setup, total: Total) -> Values:
+    """Sum of weighted samples, of those that are there over their weight; empty where that is below half."""
+    value = total(samples_of(setup))
+    if setup.full is None:
+        return value, np.zeros(len(value), dtype=bool)
+    weight = total(setup.full)
+    empty = weight < 0.5
+    return np.where(empty, 0.0, value / np.where(empty, 1.0, weight)), empty
+
+
+def known_derivative(setup: Setup, total: Total, slopes: Slopes) -> FloatArray:
+    """Its derivative (n, 3), by the rule for quotients; none where it is empty. Of several channels that of their sum."""
+    value, change = total(samples_of(setup)), slopes(samples_of(setup))
+    if setup.full is not None:
+        weight, shift = total(setup.full), slopes(setup.full)
+        there = weight >= 0.5
+        weight = np.where(there, weight, 1.0)
+        value = value / weight
+        change = (change - value[:, None] * shift) / weight[:, None] * there[:, None]
+    return change if change.ndim == 2 else summed_slopes(setup, value, change)
+
+
+def summed_slopes(setup: Setup, value: FloatArray, change: FloatArray) -> FloatArray:
+    """Derivative (n, 3) of the number that gradients are taken of (``field_scalar``), from those (n, 3, c) of the channels."""
+    if not isinstance(setup.function, Channels):
+        return np.asarray(change[..., 0])
+    total = np.zeros(change.shape[:2])
+    for part, line in zip(setup.function.visible, setup.function.slopes, strict=True):
+        place = setup.channels.index(setup.layer.volume.channel_index(part.channel))
+        moves = (value[:, place] >= line.low) & (value[:, place] <= line.high)
+        total += line.weight * change[..., place] * moves[:, None]
+    return total
+
+
+def _times(samples: FloatArray, weights: FloatArray) -> FloatArray:
+    """Samples (n, ...) times weights (n,) or (n, taps)."""
+    return np.asarray(samples * weights.reshape(*weights.shape, *[1] * (samples.ndim - weights.ndim)))
+
+
 @np.errstate(under="ignore")
 def separable(setup: Setup, p_index: FloatArray) -> Values:
     """Sum of the voxels round a place by the products of three weights."""
-    kernel, radius, width = kernel_of(setup.stages["field"])
-    (x, _), (y, _), (z, _) = (tap_weights(kernel, radius, width, p) for p in p_index.T)
-    columns, rows, slices = taps_of(setup, p_index, radius)
-    total = np.zeros(len(p_index))
-    for j, k in product(range(2 * radius), repeat=2):
-        line = samples_of(setup)[slices[:, k, None], rows[:, j, None], columns]
-        total += (line * x).sum(axis=1) * y[:, j] * z[:, k]
-    return total, np.zeros(len(p_index), dtype=bool)
+    return known(setup, lambda samples: separable_sum(setup, samples, p_index))
 
 
 @np.errstate(under="ignore")
 def separable_derivative(setup: Setup, p_index: FloatArray) -> FloatArray:
-    """The same sums with the derivative of one weight each, (n, 3)."""
+    """The same sums with the derivative of one weight each."""
+    return known_derivative(
+        setup,
+        lambda samples: separable_sum(setup, samples, p_index),
+        lambda samples: separable_slopes(setup, samples, p_index),
+    )
+
+
+def separable_sum(setup: Setup, samples: FloatArray, p_index: FloatArray) -> FloatArray:
+    """Sum of samples round places."""
     kernel, radius, width = kernel_of(setup.stages["field"])
-    (x, dx), (y, dy), (z, dz) = (tap_weights(kernel, radius, width, p) for p in p_index.T)
+    (x, _), (y, _), (z, _) = (tap_weights(kernel, radius, width, p) for p in p_index.T)
     columns, rows, slices = taps_of(setup, p_index, radius)
-    total = np.zeros_like(p_index)
+    total = np.zeros((len(p_index), *samples.shape[3:]))
     for j, k in product(range(2 * radius), repeat=2):
-        line = samples_of(setup)[slices[:, k, None], rows[:, j, None], columns]
-        along = (line * x).sum(axis=1)
-        total[:, 0] += (line * dx).sum(axis=1) * y[:, j] * z[:, k]
-        total[:, 1] += along * dy[:, j] * z[:, k]
-        total[:, 2] += along * y[:, j] * dz[:, k]
+        line = samples[slices[:, k, None], rows[:, j, None], columns]
+        total += _times(_times(line, x).sum(axis=1), y[:, j] * z[:, k])
     return total
 
 
-def body_sums(setup: Setup, p_index: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Sums (n, 4) over the voxels round a place of a kernel and its derivatives, with the voxels' values and without."""
+def separable_slopes(setup: Setup, samples: FloatArray, p_index: FloatArray) -> FloatArray:
+    """Derivative of that sum."""
+    kernel, radius, width = kernel_of(setup.stages["field"])
+    (x, dx), (y, dy), (z, dz) = (tap_weights(kernel, radius, width, p) for p in p_index.T)
+    columns, rows, slices = taps_of(setup, p_index, radius)
+    total = np.zeros((len(p_index), 3, *samples.shape[3:]))
+    for j, k in product(range(2 * radius), repeat=2):
+        line = samples[slices[:, k, None], rows[:, j, None], columns]
+        along = _times(line, x).sum(axis=1)
+        total[:, 0] += _times(_times(line, dx).sum(axis=1), y[:, j] * z[:, k])
+        total[:, 1] += _times(along, dy[:, j] * z[:, k])
+        total[:, 2] += _times(along, y[:, j] * dz[:, k])
+    return total
+
+
+def body_sums(setup: Setup, samples: FloatArray, p_index: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sums over the voxels round a place of a kernel and its derivatives: with the samples (n, 4) or (n, 4, c), and without."""
     stage = setup.stages["field"]
     if "kernel" not in setup.once:
         side = round(len(stage.samples) ** (1 / 3))
@@ -142,37 +200,50 @@ def body_sums(setup: Setup, p_index: FloatArray) -> tuple[FloatArray, FloatArray
     table = setup.once["kernel"]
     per_voxel = (len(table) - 1) / (2 * stage.radius)
     columns, rows, slices = taps_of(setup, p_index, stage.radius)
-    valued, plain = np.zeros((len(p_index), 4)), np.zeros((len(p_index), 4))
+    valued, plain = np.zeros((len(p_index), 4, *samples.shape[3:])), np.zeros((len(p_index), 4))
     for taps in product(range(2 * stage.radius), repeat=3):
         distance = p_index - np.floor(p_index) - (np.array(taps) + 1 - stage.radius)
         weight = trilinear(table, (distance + stage.radius) * per_voxel)
         plain += weight
-        valued += weight * setup.grid[slices[:, taps[2]], rows[:, taps[1]], columns[:, taps[0]]][:, None]
+        valued += _times(samples[slices[:, taps[2]], rows[:, taps[1]], columns[:, taps[0]]][:, None], weight)
     return valued, plain
+
+
+def body_mean(setup: Setup, samples: FloatArray, p_index: FloatArray) -> FloatArray:
+    """Mean of samples round places, weighted by a kernel in three dimensions."""
+    valued, plain = body_sums(setup, samples, p_index)
+    return _times(valued[:, 0], 1 / plain[:, 0])
+
+
+def body_slopes(setup: Setup, samples: FloatArray, p_index: FloatArray) -> FloatArray:
+    """Derivative of that mean, by the rule for quotients."""
+    valued, plain = body_sums(setup, samples, p_index)
+    mean = _times(valued[:, :1], 1 / plain[:, :1])
+    return _times(valued[:, 1:] - _times(np.repeat(mean, 3, axis=1), plain[:, 1:]), 1 / plain[:, :1])
 
 
 def body(setup: Setup, p_index: FloatArray) -> Values:
     """Mean of the voxels round a place, weighted by a kernel in three dimensions."""
-    valued, plain = body_sums(setup, p_index)
-    return valued[:, 0] / plain[:, 0], np.zeros(len(p_index), dtype=bool)
+    return known(setup, lambda samples: body_mean(setup, samples, p_index))
 
 
 def body_derivative(setup: Setup, p_index: FloatArray) -> FloatArray:
-    """The derivative of the weighted mean, by the rule for quotients."""
-    valued, plain = body_sums(setup, p_index)
-    value = valued[:, :1] / plain[:, :1]
-    return np.asarray((valued[:, 1:] - value * plain[:, 1:]) / plain[:, :1])
+    """Its derivative."""
+    return known_derivative(
+        setup, lambda samples: body_mean(setup, samples, p_index), lambda samples: body_slopes(setup, samples, p_index)
+    )
 
 
+@np.errstate(under="ignore")
 def linear_derivative(setup: Setup, p_index: FloatArray) -> FloatArray:
     """Differences across the cell of a place, at its share along the others; of the cell below on upper faces."""
-    return cell_slopes(setup.grid, p_index)
+    return known_derivative(setup, lambda samples: trilinear(samples, p_index), lambda samples: cell_slopes(samples, p_index))
 
 
 def cell_slopes(grid: FloatArray, p_index: FloatArray) -> FloatArray:
-    """Those differences of samples ``(z, y, x)`` at places (n, 3)."""
-    result = np.zeros_like(p_index)
-    last = np.array(grid.shape[::-1]) - 1.0
+    """Those differences of samples ``(z, y, x)`` or ``(z, y, x, c)`` at places (n, 3)."""
+    result = np.zeros((*p_index.shape, *grid.shape[3:]))
+    last = np.array(grid.shape[2::-1]) - 1.0
     inside = np.clip(p_index, 0, last)
     low = np.minimum(np.floor(inside), np.maximum(last - 1, 0))
     for axis in range(3):
@@ -183,12 +254,12 @@ def cell_slopes(grid: FloatArray, p_index: FloatArray) -> FloatArray:
     return result
 
 
+LINEAR = ("linear", "linear_exact", "linear_masked", "linear_channels", "linear_exact_channels", "linear_channels_masked")
 SEPARABLE = ("bspline", "bspline_exact", "catmull_rom", "mitchell", "windowed_sinc", "kernel")
 
 # Derivative of a field in data units per voxel, ``(setup, p_index (n, 3)) -> (n, 3)``.
 DERIVATIVES: dict[str, Callable[[Setup, FloatArray], FloatArray]] = {
-    "linear": linear_derivative,
-    "linear_exact": linear_derivative,
+    **dict.fromkeys(LINEAR, linear_derivative),
     **dict.fromkeys(SEPARABLE, separable_derivative),
     "kernel_body": body_derivative,
 }

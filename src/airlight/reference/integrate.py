@@ -12,6 +12,7 @@ import numpy as np
 
 from ..transfer.joint import JointFunction
 from ..volume import FloatArray
+from .hit_colours import hit_colour
 from .modulation import weight
 from .region import part_at
 from .setup import BoolArray, IntArray, Sample, Sent, Setup, Slab
@@ -58,11 +59,17 @@ class Integrate:
         """Fraction of each slab at which a surface is drawn, 2 where there is none."""
         raise NotImplementedError
 
-    def classify(self, front: Sample, back: Sample, length: FloatArray) -> Sent:
-        """What slabs send, before they are lit; the region in the middle of a slab tints and thins all of it."""
+    def thinning(self, front: Sample, back: Sample, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Factors of slabs' colours (n, 3) and extinctions (n,): of the region in their middle, and of modulation."""
         tint, opacity = part_at(self.setup, (front.p_index + back.p_index) / 2)
-        thinned = length * opacity * weight(self.setup, front, back, length)
-        sent = TRANSFERS[self.setup.stages["transfer"].name](self.setup, front, back, thinned)
+        return tint, opacity * weight(self.setup, front, back, length)
+
+    def classify(
+        self, front: Sample, back: Sample, length: FloatArray, by: tuple[FloatArray, FloatArray] | None = None
+    ) -> Sent:
+        """What slabs send, before they are lit; ``by`` is their ``thinning``, where it is that of longer ones."""
+        tint, thinning = by or self.thinning(front, back, length)
+        sent = TRANSFERS[self.setup.stages["transfer"].name](self.setup, front, back, length * thinning)
         return replace(sent, rgb=sent.rgb * tint, back_rgb=sent.back_rgb * tint)
 
     def sheet(self, hit: Sample, rises: FloatArray) -> Sent:
@@ -195,6 +202,8 @@ class FirstHit(Integrate):
         for surface in getattr(self.setup.function, "surfaces", ()):
             if surface.value == self.iso:
                 rgb = np.where((rises > 0)[:, None], surface.front[0], np.where((rises < 0)[:, None], surface.back[0], rgb))
+        if self.stage.colour_by != "function":
+            rgb = np.where((rises != 0)[:, None], hit_colour(self.setup, hit), rgb)
         rgb, alpha = rgb * part_at(self.setup, hit.p_index)[0], np.ones(len(rises))
         return Sent(rgb, alpha, rgb / 2, alpha / 2)
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..volume import FloatArray
+from .camera import pixel_width as camera_pixel_width
 from .field import FIELDS, Values, trilinear
 from .filters import DERIVATIVES, cell_slopes
 from .setup import Setup
@@ -16,12 +17,8 @@ from .setup import Setup
 def pixel_width(setup: Setup, p_index: FloatArray) -> FloatArray:
     """Width of a pixel at places (n, 3), in smallest voxel spacings; perspective: of one in the middle of the image."""
     matrix, camera = setup.layer.volume.world_from_index, setup.camera
-    if camera.name == "orthographic":
-        width = np.full(len(p_index), camera.height / setup.size_px[1])
-    else:
-        away = np.linalg.norm(p_index @ matrix[:3, :3].T + matrix[:3, 3] - np.array(camera.eye), axis=1)
-        width = away * 2 * math.tan(math.radians(camera.fov_deg / 2)) / setup.size_px[1]
-    return np.asarray(width / setup.spacing_world)
+    away = np.linalg.norm(p_index @ matrix[:3, :3].T + matrix[:3, 3] - np.array(camera.eye), axis=1)
+    return np.asarray(camera_pixel_width(camera, setup.size_px, away) / setup.spacing_world)
 
 
 def level_of(setup: Setup, p_index: FloatArray) -> FloatArray:

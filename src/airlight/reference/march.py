@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +10,13 @@ import numpy as np
 from ..stages.driver import gains_from_curvature
 from ..volume import FloatArray
 from .blocks import next_stop
+from .clips import caps, lit_behind, lit_faces, pieces
+from .covers import Covers, over, parts_of, put_before
+from .cuts import cut_slabs, is_cut, sharpened
 from .field import field_value
 from .integrate import INTEGRATES, Accumulated, Integrate
 from .refine import refined
-from .setup import IntArray, Sample, Setup, dark, made_slab
+from .setup import IntArray, Sample, Setup, Slab, dark, made_slab
 from .shade import LIGHTINGS
 
 
@@ -27,13 +30,18 @@ def march(
     curved: bool = True,
     refine: str = "bisection",
     blocks: bool = True,
+    covers: Covers | None = None,
 ) -> Accumulated:
     """Integrate rays (n, 3), sampled at distances ``(k + fraction) * step_world``, k whole, and where they enter and leave.
 
     ``curved`` puts values right for the field's curvature where the stages gain from it. ``refine`` tells how the place of a
     surface between two samples is found; with ``blocks`` rays that look for surfaces are sampled in each block of voxels.
+    ``covers`` are what rays meet of meshes.
     """
+    if refine != "none":
+        setup = sharpened(setup)
     integrate = INTEGRATES[setup.stages["integrate"].name](setup)
+    cuts = is_cut(setup) and integrate.uses_slabs and not integrate.has_surface
     light_slab = LIGHTINGS[setup.stages["lighting"].name]
     acc = integrate.begin(len(origin))
 
@@ -44,56 +52,99 @@ def march(
 
     line = setup.index_of(origin), direction @ setup.layer.volume.index_from_world[:3, :3].T
 
-    # Clip rays to the domain and sample them where they enter.
-    t_enter, t_leave = span(setup, origin, direction)
-    rays = np.nonzero(t_leave > t_enter)[0]
-    front = sample(rays, t_enter[rays])
-    shift = np.broadcast_to(np.asarray(fraction, dtype=np.float64), t_enter.shape)
-    k = np.floor(t_enter / step_world - shift) + 1
+    shift = np.broadcast_to(np.asarray(fraction, dtype=np.float64), len(origin))
     curved &= gains_from_curvature(setup.stages)
-    before = front
+    ended = np.zeros(len(origin), dtype=bool)
+    # Composited slabs are put in order with meshes; what is one value of the whole ray stays whole.
+    ordered = covers is not None and getattr(setup.stages["integrate"], "takes_covers", False)
+    taken_covers = np.zeros((0, 0) if covers is None else covers.t_world.shape, dtype=bool)
 
-    while rays.size:
-        # Go to the next sample of the lattice, to the next block, or to where the ray leaves.
-        t_lattice = t_next = (k[rays] + shift[rays]) * step_world
-        if integrate.has_surface and blocks:
-            t_next = np.minimum(t_lattice, next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world))
-        back = sample(rays, np.minimum(t_next, t_leave[rays]))
-        k[rays] += t_next >= t_lattice
-        going = back.t_world < t_leave[rays]
+    # Go through the domain, piece by piece as clips keep it, and take the face of the cut where a piece begins.
+    t_domain, t_behind = span(setup, origin, direction)
+    if covers is not None:
+        t_behind = np.minimum(t_behind, covers.opaque_at)
+    for piece, part in parts_of(covers if ordered else None, pieces(setup.clips, origin, direction, t_domain, t_behind)):
+        t_enter, t_leave = part.begin, part.end
+        if covers is not None and ordered:
+            put_before(covers, taken_covers, acc, t_enter, (t_leave > t_enter) & ~ended)
+        rays = np.nonzero((t_leave > t_enter) & ~ended)[0]
+        rows, cap = caps(setup, sample(rays, t_enter[rays]), part.near[rays], -direction[rays])
+        ended[rays[rows]] |= integrate.take(acc, rays[rows], cap)
+        rays = rays[~ended[rays]]
+        front = before = sample(rays, t_enter[rays])
+        k = np.floor(t_enter / step_world - shift) + 1
+        faces = lit_faces(setup, sample(np.arange(len(origin)), piece.begin), piece.near, -direction)
 
-        # Move the sample away from the straight line between its neighbours.
-        here = back
-        if curved:
-            back = bent(before, here, sample(rays, np.minimum((k[rays] + shift[rays]) * step_world, t_leave[rays])))
+        while rays.size:
+            # Go to the next sample of the lattice, to the next block, or to where the ray leaves.
+            t_lattice = t_next = (k[rays] + shift[rays]) * step_world
+            if integrate.has_surface and blocks:
+                t_next = np.minimum(t_lattice, next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world))
+            back = sample(rays, np.minimum(t_next, t_leave[rays]))
+            k[rays] += t_next >= t_lattice
+            going = back.t_world < t_leave[rays]
 
-        # Give an empty end the other end's sample and the slab half its length; leave out slabs with two empty ends.
-        length = (back.t_world - front.t_world) * np.where(front.empty | back.empty, 0.5, 1.0)
-        a, b = front.where_empty_take(back), back.where_empty_take(front)
-        taken = ~a.empty
+            # Move the sample away from the straight line between its neighbours.
+            here = back
+            if curved:
+                back = bent(before, here, sample(rays, np.minimum((k[rays] + shift[rays]) * step_world, t_leave[rays])))
 
-        # Cut the slab at a surface: that alone is taken, with no length.
-        if integrate.has_surface:
-            cut = integrate.surface(a, b)
-            taken &= cut <= 1
-            a, b, cut = a[taken], b[taken], cut[taken]
-            rises = np.where(cut > 0, np.sign(_scalar(b.value) - _scalar(a.value)), 0.0)
-            a = b = _hit(setup, integrate, sample, (line[0][rays[taken]], line[1][rays[taken]]), rays[taken], a, b, cut, refine)
-            length = np.zeros_like(cut)
-        elif not taken.all():
-            a, b, length = a[taken], b[taken], length[taken]
+            # Give an empty end the other end's sample and the slab half its length; leave out slabs with two empty ends.
+            length = (back.t_world - front.t_world) * np.where(front.empty | back.empty, 0.5, 1.0)
+            a, b = front.where_empty_take(back), back.where_empty_take(front)
+            taken = ~a.empty
 
-        # Classify the slab, light it, add it to its ray.
-        some = rays[taken]
-        slab = made_slab(dark(len(some)), a, b, length)
-        if integrate.uses_slabs and some.size:
-            sent = integrate.sheet(a, rises) if integrate.has_surface else integrate.classify(a, b, length)
-            slab = made_slab(sent, a, b, length)
-            slab = replace(slab, rgb=light_slab(setup, slab, -direction[some]))
-        going[taken] &= ~integrate.take(acc, some, slab)
+            # Cut the slab at a surface: that alone is taken, with no length.
+            if integrate.has_surface:
+                cut = integrate.surface(a, b)
+                taken &= cut <= 1
+                a, b, cut = a[taken], b[taken], cut[taken]
+                rises = np.where(cut > 0, np.sign(_scalar(b.value) - _scalar(a.value)), 0.0)
+                a = b = _hit(
+                    setup, integrate, sample, (line[0][rays[taken]], line[1][rays[taken]]), rays[taken], a, b, cut, refine
+                )
+                length = np.zeros_like(cut)
+            elif not taken.all():
+                a, b, length = a[taken], b[taken], length[taken]
 
-        # Keep the rays that go on; the back of this slab is the front of the next.
-        rays, front, before = rays[going], back[going], here[going]
+            # Classify the slab, or cut it at surfaces of the function.
+            some = rays[taken]
+            parts: Iterable[tuple[IntArray, Slab]]
+            if cuts and some.size:
+                ends = before.where_empty_take(here)[taken], here.where_empty_take(before)[taken]
+
+                def along(rows: IntArray, t_world: FloatArray, some: IntArray = some) -> Sample:
+                    return sample(some[rows], t_world)
+
+                parts = cut_slabs(setup, integrate, refine, along, (line[0][some], line[1][some]), (a, b, length), ends)
+            else:
+                sent = dark(len(some))
+                if integrate.uses_slabs and some.size:
+                    sent = integrate.sheet(a, rises) if integrate.has_surface else integrate.classify(a, b, length)
+                parts = [(np.arange(len(some)), made_slab(sent, a, b, length))]
+
+            # Light what there is and add it to its ray, until that needs no more.
+            stopped = np.zeros(len(some), dtype=bool)
+            for rows, slab in parts:
+                left = ~stopped[rows]
+                rows, slab = rows[left], slab[left]
+                if integrate.uses_slabs and rows.size:
+                    rgb = light_slab(setup, slab, -direction[some[rows]])
+                    slab = replace(slab, rgb=lit_behind(setup, faces[some[rows]], slab, rgb))
+                stopped[rows] |= integrate.take(acc, some[rows], slab)
+            going[taken] &= ~stopped
+            ended[some] |= stopped
+
+            # Take the face of the cut where the piece ends.
+            left = rays[~going & ~ended[rays]]
+            rows, cap = caps(setup, sample(left, t_leave[left]), part.far[left], -direction[left])
+            ended[left[rows]] |= integrate.take(acc, left[rows], cap)
+
+            # Keep the rays that go on; the back of this slab is the front of the next.
+            rays, front, before = rays[going], back[going], here[going]
+    if covers is None or not ordered:
+        return integrate.finish(acc) if covers is None else over(covers, integrate.finish(acc), integrate.has_surface)
+    put_before(covers, taken_covers, acc, np.full(len(origin), np.inf), np.ones(len(origin), dtype=bool))
     return integrate.finish(acc)
 
 
@@ -150,7 +201,10 @@ def bent(before: Sample, here: Sample, after: Sample) -> Sample:
 
 
 def span(setup: Setup, origin: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distances (n,) at which rays enter and leave the domain, not before the eye; leave <= enter is a miss."""
+    """Distances (n,) at which rays enter and leave the domain, not before the eye; leave <= enter is a miss.
+
+    A ray without a direction meets nothing.
+    """
     low, high = setup.domain
     o = setup.index_of(origin)
     d = direction @ setup.layer.volume.index_from_world[:3, :3].T
@@ -162,4 +216,5 @@ def span(setup: Setup, origin: FloatArray, direction: FloatArray) -> tuple[Float
     t_near = np.where(along, np.where(between, -np.inf, np.inf), np.minimum(t_low, t_high))
     t_far = np.where(along, np.where(between, np.inf, -np.inf), np.maximum(t_low, t_high))
     enter, leave = np.maximum(t_near.max(axis=1), 0.0), t_far.min(axis=1)
-    return np.where(np.isfinite(enter), enter, 0.0), np.where(np.isfinite(enter), leave, 0.0)
+    meets = np.isfinite(enter) & d.any(axis=1)
+    return np.where(meets, enter, 0.0), np.where(meets, leave, 0.0)

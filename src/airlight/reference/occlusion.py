@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ..volume import FloatArray
+from .clips import kept_by_all
 from .field import field_value, trilinear
 from .region import part_at
 from .setup import Sample, Setup
@@ -100,13 +101,13 @@ def voxel_extinction(setup: Setup) -> FloatArray:
     voxels = np.stack([x, y, z], axis=1).astype(np.float64)
     here = _sample(setup, voxels)
     shown = part_at(setup, voxels)[1]
-    total = np.zeros(len(voxels))
+    total, kept = np.zeros(len(voxels)), kept_by_all(setup.clips, here.p_world)
     for axis in range(3):
         next_voxels = voxels.copy()
         next_voxels[:, axis] = np.minimum(voxels[:, axis] + 1, volume.size[axis] - 1)
         there = _sample(setup, next_voxels).where_empty_take(here)
         length = volume.spacing[axis]
-        rows = np.nonzero(~here.empty)[0]
+        rows = np.nonzero(~here.empty & kept)[0]
         sent = TRANSFERS[setup.stages["transfer"].name](setup, here[rows], there[rows], length * shown[rows])
         total[rows] -= np.log(np.maximum(1 - sent.alpha, 1e-7)) / length / 3
     return total.reshape(nz, ny, nx)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..clips import Clip
 from ..scene import Layer, Light
 from ..volume import FloatArray, is_empty
 
@@ -30,6 +31,7 @@ class Setup:
     lights: tuple[Light, ...] = ()
     camera: Any = None
     size_px: tuple[int, int] = (1, 1)
+    clips: tuple[Clip, ...] = ()
     once: dict[str, FloatArray] = field(default_factory=dict)  # what a stage computes once for the volume, by its name
 
     @cached_property
@@ -130,6 +132,9 @@ class Slab(Sent):
     front: Sample
     back: Sample
     length: FloatArray
+
+    def __getitem__(self, rows: BoolArray | IntArray) -> Slab:
+        return Slab(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 def dark(n: int) -> Sent:

@@ -19,6 +19,7 @@ from .transfer import TRANSFERS, preintegrated, preintegrated_fast
 MEDIA = {
     "surfaces": preintegrated,
     "preintegrated_surfaces": preintegrated,
+    "preintegrated_exact_surfaces": preintegrated,
     "preintegrated_fast_surfaces": preintegrated_fast,
 }
 

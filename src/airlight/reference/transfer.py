@@ -149,6 +149,7 @@ TRANSFERS: dict[str, Callable[[Setup, Sample, Sample, FloatArray], Sent]] = {
     "joint": joint,
     "postclassified": postclassified,
     "preintegrated": preintegrated,
+    "preintegrated_exact": preintegrated,
     "preintegrated_fast": preintegrated_fast,
     "riemann": riemann,
     "postclassified_regions": postclassified_regions,

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ..environment import Environment
 from ..environment.background import background_picture, is_reduced
@@ -13,6 +16,7 @@ from ..shader.program import ProgramKey, Switches, build_program, stage_key
 from ..stage import Stage
 from ..stages.environment import Background
 from ..transfer import TransferFunction
+from ..volume import Volume
 from .resources import bound_resources, pack_uniforms, uniform_values
 
 if TYPE_CHECKING:
@@ -36,11 +40,18 @@ def background_statistics(scene: Scene) -> dict[str, Any]:
 
 
 def without_layers(scene: Scene) -> Scene:
-    """Scene of which nothing is seen but the background: its first layer, made empty."""
-    layer = scene.layers[0]
-    look = Look(shade="none", tone=layer.look.tone)
+    """Scene of which nothing is seen but background and meshes: its first layer, or a voxel round the meshes, made empty."""
+    layer = scene.layers[0] if scene.layers else _voxel(scene)
+    look = Look(shade=layer.look.shade if scene.meshes else "none", tone=layer.look.tone)
     empty = Layer(layer.volume, TransferFunction([(0.0, "black", 0.0)]), look)
-    return Scene(layers=[empty], camera=scene.camera, lights=scene.lights, background=scene.background)
+    return replace(scene, layers=(empty,), clips=())
+
+
+def _voxel(scene: Scene) -> Layer:
+    corners = np.concatenate([shape.corners_world for shape in scene.meshes])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    size = max(float((high - low).max()), 1e-6 * float(np.abs(corners).max()), 1e-9)
+    return Layer(Volume(np.zeros((1, 1, 1), dtype=np.float32), spacing=(size,) * 3, origin=tuple((low + high) / 2)))
 
 
 def put_behind(frame: MarchFrame, bands: Iterable[Any]) -> None:

@@ -15,7 +15,7 @@ from ..stages.gradient import at_voxels
 from ..stages.lighting import Quantised
 from ..stages.shade import weakest_gradient
 from ..volume import FloatArray
-from .resources import DrawnLayer, bound_resources, pack_lights, pack_uniforms, uniform_values
+from .resources import DrawnLayer, bound_resources, light_count, pack_uniforms, uniform_values, write_lights
 
 if TYPE_CHECKING:
     from .march import MarchFrame
@@ -108,14 +108,15 @@ def light_directions(frame: MarchFrame) -> None:
             Switches(),
             device.traits,
             layer.field.groups(layer.context),
+            light_count(frame.scene.lights),
         )
         program = build_program(key)
         values = uniform_values(device, scene, (layer,), frame.anchor_world, frame.progress)
-        packed = pack_uniforms(program, FrameUniforms(light_count=len(frame.scene.lights)), values)
+        packed = pack_uniforms(program, FrameUniforms(), values)
         resources = {
             **bound_resources(device, program, (alone,), {}, frame.anchor_world, frame.progress),
             "uniforms": compute.write_uniforms(device, "uniforms of directions", packed),
-            "lights": compute.write_storage(device, "lights", pack_lights(frame.scene.lights)),
+            "lights": write_lights(device, frame.scene.lights),
             "lit_directions_out": lit_texture(device, lit).create_view(),
         }
         pipeline = compute.pipeline_of(device, program)

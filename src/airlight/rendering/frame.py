@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ..clips import Clip
 from ..environment import Environment
 from ..errors import DataError, LimitError, ValueRangeError
 from ..first_picture import resolve
@@ -22,11 +23,15 @@ from ..scene import Layer, Scene
 from ..shader.program import Program
 from ..stage import SLOTS, Context, Stage, make_stage
 from ..stages.blocks import block_leaps
+from ..stages.driver import sharpens_surfaces
+from ..stages.transfer import Transfer
 from ..volume import statistics
 from .background import background_statistics, plain_background, without_layers
-from .hits import Hits, check_keeps, check_same
+from .clips import clip_statistics, cutting_clips, nothing_left
+from .covers import check_covers, visible_corners
+from .hits import Hits, check_keeps, check_relights, check_same
 from .image import Image
-from .march import MarchFrame, draw_march, march_program
+from .march import MarchFrame, draw_march, draws_caps, march_program
 from .nearby import chosen_anchor, near_camera, shifted_lights
 from .resources import DrawnLayer
 from .stats import frame_statistics
@@ -54,24 +59,25 @@ class Request:
             raise ValueRangeError("step", f"is {self.step}, must lie in [0.001, 1000] voxels")
         if self.skip not in SKIPS:
             raise ValueRangeError("skip", f"is {self.skip!r}, must be one of {', '.join(SKIPS)}")
-        if self.skip in ("blocks", "geometry"):
-            raise ValueRangeError("skip", f"{self.skip!r} cannot be asked for yet", "use auto or none; the image is the same")
+        if self.skip == "geometry":
+            raise ValueRangeError("skip", "'geometry' cannot be asked for yet", "use auto or blocks; the image is the same")
 
 
 def draw(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> Image:
     """Draw a frame on a device. ``check`` may raise between tiles, ``progress`` is told of uploads and tiles."""
     start = time.perf_counter()
     device.kept.begin_frame()
-    nothing_visible = not scene.visible_layers
-    if nothing_visible and isinstance(scene.background, Environment):
+    reason = nothing_left(scene) if scene.visible_layers else "no visible layer"
+    if reason and (scene.meshes or isinstance(scene.background, Environment)):
         scene = without_layers(scene)
-    elif nothing_visible:
+    elif reason:
         width, height = request.size_px
         nothing = np.zeros((height, width, 4), dtype=np.float32)
         far = np.full((height, width), np.inf, np.float32)
-        return Image(nothing, far, plain_background(scene), {"reason": "no visible layer"})
-    frame = prepare(device, scene, request, check, progress)
-    return _finished(frame, request, start)
+        return Image(nothing, far, plain_background(scene), {"reason": reason}, scene=scene)
+    image = _finished(prepare(device, scene, request, check, progress), request, start)
+    image.stats.update({"reason": reason} if reason else {})
+    return image
 
 
 def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None], progress: Progress) -> Image:
@@ -96,7 +102,7 @@ def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None
     device.kept.begin_frame()
     request = Request(image.size, make_stage("driver", "march"), image.stats["step"])
     frame = replace(prepare(device, scene, request, check, progress), found=image.hits)
-    check_keeps(frame)
+    check_relights(frame)
     return replace(_finished(frame, request, start), hits=replace(image.hits, scene=scene))
 
 
@@ -104,11 +110,12 @@ def _finished(frame: MarchFrame, request: Request, start: float) -> Image:
     device = frame.device
     rgba, depth, samples = draw_march(frame)
     device.kept.trim()
-    stats = frame_statistics(frame, request.step) | background_statistics(frame.scene)
+    stats = frame_statistics(frame, request.step) | background_statistics(frame.scene) | frame.covers.statistics()
+    stats |= clip_statistics(frame.given, frame.clips, draws_caps(frame), samples if frame.found is None else None)
     stats |= {"samples": int(samples), "milliseconds": frame.clock.milliseconds}
     frame.clock.milliseconds["total"] = 1e3 * (time.perf_counter() - start)
     hits = Hits(frame.kept_hits[0], frame.given) if frame.keeps_hits else None
-    return Image(rgba, depth, plain_background(frame.scene), stats, hits)
+    return Image(rgba, depth, plain_background(frame.scene), stats, hits, frame.given)
 
 
 def explain(device: Device, scene: Scene, request: Request) -> Program:
@@ -125,11 +132,15 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
             "scene.layers", f"has {len(visible)} visible layers; this version draws one at a time", "hide the others"
         )
     step_world = request.step * min(min(layer.volume.spacing) for layer in visible)
-    skips, keeps = request.skip != "none", request.keep_hits
-    layers = tuple(drawn_layer(layer, step_world, request.size_px, skips, scene.camera, keeps) for layer in visible)
+    skips, keeps, sharpens = request.skip != "none", request.keep_hits, sharpens_surfaces(request.driver)
+    clips = cutting_clips(scene, visible[0])
+    layers = tuple(
+        drawn_layer(layer, step_world, request.size_px, skips, scene.camera, keeps, sharpens, clips) for layer in visible
+    )
     stages = visible[0].look.stages()
     anchor_world = chosen_anchor(layers[0])
-    camera, t_offset_world = near_camera(scene.camera, anchor_world, layers[0], step_world)  # type: ignore[arg-type]
+    others = visible_corners(scene)
+    camera, t_offset_world = near_camera(scene.camera, anchor_world, layers[0], step_world, others)  # type: ignore[arg-type]
     scene = replace(scene, lights=shifted_lights(scene.lights, anchor_world))
     scene_stages: dict[str, Stage] = {"driver": request.driver, "camera": camera}
     scene_stages |= {slot: stage for slot, stage in stages.items() if not SLOTS[slot].per_layer}
@@ -147,19 +158,29 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
         check=check,
         progress=progress,
         keeps_hits=request.keep_hits,
+        clips=clips,
     )
     if request.keep_hits:
         check_keeps(frame)
+    check_covers(frame)
     return frame
 
 
 def drawn_layer(
-    layer: Layer, step_world: float, size_px: tuple[int, int], skips: bool, camera: Any = None, keeps_hits: bool = False
+    layer: Layer,
+    step_world: float,
+    size_px: tuple[int, int],
+    skips: bool,
+    camera: Any = None,
+    keeps_hits: bool = False,
+    sharpens: bool = False,
+    clips: tuple[Clip, ...] = (),
 ) -> DrawnLayer:
     """Give a layer its stages and their resources; a volume with empty samples gets the field that keeps them apart.
 
     Where surfaces alone are drawn, and space may be skipped, the field knows how far to leap over blocks without one. Surfaces
-    that are kept have gradients although nothing may be lit.
+    that are kept have gradients although nothing may be lit. ``sharpens`` tells that the driver looks for the places of
+    surfaces. ``clips`` are those that cut the layer.
     """
     assert layer.transfer is not None
     for channel in layer.channels:
@@ -170,10 +191,15 @@ def drawn_layer(
                 f"has values from {known.minimum:.3g} to {known.maximum:.3g}, beyond what devices hold ({GREATEST_VALUE:g})",
                 "scale it, e.g. volume / 1e30, and the transfer function with it",
             )
-    context = Context(layer.volume, layer.function, layer.channels, layer.time, step_world, size_px, layer.labels, camera)
+    context = Context(
+        layer.volume, layer.function, layer.channels, layer.time, step_world, size_px, layer.labels, camera, clips
+    )
     stages = {slot: stage for slot, stage in layer.stages(keeps_hits).items() if SLOTS[slot].per_layer}
+    if isinstance(stages["transfer"], Transfer):
+        transfer = stages["transfer"].for_context(context)
+        stages["transfer"] = transfer.sharpened() if sharpens else transfer
     drawn = DrawnLayer(stages, context, {slot: stage.resources(context) for slot, stage in stages.items()})
-    if skips and (leaps := block_leaps(drawn.field, layer.look.integrate, context)):
+    if skips and (leaps := block_leaps(drawn.field, layer.look.integrate, stages["transfer"], context)):
         resources = {**drawn.resources, "field": {**drawn.resources["field"], "leaps": leaps}}
         drawn = replace(drawn, resources=resources)
     return drawn

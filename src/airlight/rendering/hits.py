@@ -13,7 +13,7 @@ from ..errors import DataError, StageError
 from ..gpu import compute
 from ..scene import Scene
 from ..stages import tone as tones
-from .resources import bound_resources, pack_lights, pack_uniforms, uniform_values
+from .resources import bound_resources, pack_uniforms, uniform_values, write_lights
 
 if TYPE_CHECKING:
     from .march import MarchFrame
@@ -30,7 +30,8 @@ class Hits:
     ----------
     array
         float32 (height, width, 8): gradient in the world, value; distance from the eye on the device, side, unused.
-        The side is 0 where there is no surface, 1 where the ray went up through the value, 2 down, 3 where it began inside.
+        The side is 0 where there is no surface, 1 where the ray went up through the value, 2 down, 3 where it began inside;
+        4 where no surfaces are looked for, and opacity passes one half.
     scene
         What was drawn, with its camera.
     """
@@ -47,12 +48,28 @@ class Hits:
 
     @property
     def side(self) -> npt.NDArray[np.uint8]:
-        """uint8 (height, width): 0 nothing, 1 met on the way up, 2 on the way down, 3 the ray began inside."""
+        """uint8 (height, width): 0 nothing, 1 met on the way up, 2 down, 3 the ray began inside, 4 half opaque."""
         return self.array[..., 5].astype(np.uint8)
 
 
 def check_keeps(frame: MarchFrame) -> None:
-    """Refuse to keep what is not there.
+    """Refuse to keep what is not there, and surfaces that could not be lit again.
+
+    Raises
+    ------
+    StageError
+        When rays neither look for surfaces nor for where opacity passes one half, and see ``check_relights``.
+    """
+    integrate = frame.scene_stages["integrate"]
+    if getattr(integrate, "surfaces_only", False):
+        check_relights(frame)
+    elif not getattr(integrate, "uses_slabs", False):
+        what = "meets no surfaces that could be kept"
+        raise StageError(f"look.integrate {integrate.name!r}", what, "use first_hit or emission_absorption")
+
+
+def check_relights(frame: MarchFrame) -> None:
+    """Refuse to light what has not all that light asks for.
 
     Raises
     ------
@@ -61,7 +78,7 @@ def check_keeps(frame: MarchFrame) -> None:
     """
     integrate = frame.scene_stages["integrate"]
     if not getattr(integrate, "surfaces_only", False):
-        raise StageError(f"look.integrate {integrate.name!r}", "meets no surfaces that could be kept", "use first_hit")
+        raise StageError(f"look.integrate {integrate.name!r}", "meets no surfaces that could be lit again", "use first_hit")
     for layer in frame.layers:
         lighting = layer.stages["lighting"]
         if layer.field.groups(layer.context):
@@ -86,6 +103,7 @@ def check_same(hits: Hits, scene: Scene, size_px: tuple[int, int]) -> None:
         "camera": hits.scene.camera != scene.camera,
         "volume": one.volume is not other.volume,
         "labels": one.labels != other.labels,
+        "clip": hits.scene.clips_of(one) != scene.clips_of(other),
         "time or channel": (one.time, one.channels) != (other.time, other.channels),
         **{slot: drawn[slot] != asked[slot] for slot in ("field", "gradient", "integrate")},
     }
@@ -117,7 +135,7 @@ def light_again(frame: MarchFrame, bands: Iterable[Any]) -> None:
             "depth": band.depth,
             "hits": band.hits,
             "uniforms": compute.write_uniforms(device, "uniforms of relight", pack_uniforms(program, band.uniforms(), values)),
-            "lights": compute.write_storage(device, "lights", pack_lights(frame.scene.lights)),
+            "lights": write_lights(device, frame.scene.lights),
         }
         groups = compute.bind_groups(device, pipeline, bound)
         compute.dispatch(device, pipeline, groups, (-(-frame.size_px[0] // x), -(-band.rows // y), 1))

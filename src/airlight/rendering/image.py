@@ -16,6 +16,9 @@ from ..errors import DataError, FileError, MissingExtraError
 from ..transfer.colour import linear_to_srgb
 
 if TYPE_CHECKING:
+    from ..picking import Picked
+    from ..profiles import RayProfile
+    from ..scene import Scene
     from .hits import Hits
 
 FloatImage = npt.NDArray[np.float32]
@@ -37,7 +40,10 @@ class Image:
     stats
         What was done: adapter, samples, milliseconds by pass, texture formats and their error, what was skipped.
     hits
-        Surfaces as they were met, where they were asked for: what ``relight`` needs.
+        What was met, where it was asked for (``keep_hits``): normals, and what ``relight`` needs of surfaces.
+    scene
+        What was drawn, with its transfer functions and camera: what ``pick`` asks. It holds the volumes;
+        ``dataclasses.replace(image, scene=None)`` lets them go.
     """
 
     rgba: FloatImage
@@ -45,6 +51,7 @@ class Image:
     background: tuple[float, float, float] | None = None
     stats: dict[str, Any] = field(default_factory=dict)
     hits: Hits | None = None
+    scene: Scene | None = None
 
     @property
     def size(self) -> tuple[int, int]:
@@ -53,7 +60,9 @@ class Image:
 
     @property
     def normal(self) -> FloatImage:
-        """float32 (height, width, 3): unit normals of surfaces in the world, towards lower values; 0 where there is none.
+        """float32 (height, width, 3): unit normals in the world, towards lower values; 0 where there is none.
+
+        They are those of surfaces (``first_hit``), or of the field where opacity passes one half (``emission_absorption``).
 
         Raises
         ------
@@ -61,8 +70,49 @@ class Image:
             When surfaces were not kept.
         """
         if self.hits is None:
-            raise DataError("image.normal", "was not kept", 'render with integrate="first_hit" and keep_hits=True')
+            raise DataError("image.normal", "was not kept", "render with keep_hits=True")
         return self.hits.normal
+
+    def pick(self, x_px: int, y_px: int, *, layer: int = 0) -> Picked | None:
+        """Return what a pixel shows: the point, its value, gradient and label; None where there is no depth.
+
+        It is the surface of ``first_hit``, the extreme of ``mip`` and ``minip``, and else where opacity passes one half.
+        Values and gradients are computed without the device, in float64, as the layer's stages define them.
+
+        Parameters
+        ----------
+        x_px, y_px
+            Column and row, from 0, counted from the upper left corner.
+        layer
+            Number of the visible layer that is asked.
+
+        Raises
+        ------
+        ValueRangeError
+            For pixels outside of the image or between its pixels, and layers that are not there.
+        DataError
+            When the image does not know its scene.
+        StageError
+            When only the device knows the camera's rays.
+        """
+        from ..picking import picked
+
+        return picked(self, self._known_scene, (x_px, y_px), layer)
+
+    def profile(self, x_px: int, y_px: int, *, layer: int = 0, step: float = 0.5) -> RayProfile:
+        """Return what the ray of a pixel's centre meets: values, extinction, colour and opacity along it.
+
+        See ``airlight.ray_profile`` for parameters and errors.
+        """
+        from ..profiles import ray_profile
+
+        return ray_profile(self._known_scene, self.size, (x_px + 0.5, y_px + 0.5), layer=layer, step=step)
+
+    @property
+    def _known_scene(self) -> Scene:
+        if self.scene is None:
+            raise DataError("image", "does not know its scene", "use airlight.pick(image, scene, pixel)")
+        return self.scene
 
     @property
     def rgb(self) -> FloatImage:

@@ -7,11 +7,13 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..clips import Clip
 from ..environment import Environment
 from ..errors import LimitError, StageError
 from ..gpu import compute
@@ -38,13 +40,18 @@ from ..stages.lighting import Quantised
 from ..stages.transfer import Transfer
 from ..volume import FloatArray
 from .background import put_behind
+from .clips import pack_clips
+from .covers import Covers
 from .directions import light_directions
 from .hits import HIT_BYTES, Hits, light_again
 from .plan import Pass, check_plan
-from .resources import DrawnLayer, bound_resources, pack_lights, pack_uniforms, uniform_values
+from .resources import DrawnLayer, bound_resources, light_count, pack_uniforms, uniform_values, write_lights
+from .shown import shown_columns
 
 BYTES_PER_PIXEL = 16
 TRILINEAR = (Linear, LinearExact)
+SKIN_VOXELS = 4.0  # of what lies behind the face of a cut and is lit as that is
+FAR = 3.4e38  # as devices hold it, where nothing is met
 MOST_ROWS = 32768  # of one band: a dispatch has at most 65535 groups of rows
 
 
@@ -89,12 +96,18 @@ class MarchFrame:
     measured: dict[str, float] = field(default_factory=dict)
     keeps_hits: bool = False
     found: Hits | None = None
+    clips: tuple[Clip, ...] = ()
     kept_hits: list[np.ndarray[Any, Any]] = field(default_factory=list)
 
     @property
     def scene_resources(self) -> dict[str, Mapping[str, Resource]]:
         """Resources of the stages that belong to no layer."""
         return {slot: stage.resources(self.layers[0].context) for slot, stage in self.scene_stages.items()}
+
+    @cached_property
+    def covers(self) -> Covers:
+        """Meshes, and what rays meet of them."""
+        return Covers(self)
 
     @property
     def shows_environment(self) -> bool:
@@ -122,7 +135,8 @@ def program_key(
         for layer in frame.layers
     )
     groups = max(layer.field.groups(layer.context) for layer in frame.layers)
-    return ProgramKey(root, scene, layers, outputs, extra, switches_of(frame), frame.device.traits, groups)
+    lights = light_count(frame.scene.lights)
+    return ProgramKey(root, scene, layers, outputs, extra, switches_of(frame), frame.device.traits, groups, lights)
 
 
 def has_empty(layer: DrawnLayer) -> bool:
@@ -145,7 +159,25 @@ def switches_of(frame: MarchFrame) -> Switches:
         curved=is_curved(frame),
         lights_ends=any(getattr(layer.stages["lighting"], "lights_ends", False) for layer in frame.layers),
         skips_blocks=skips_blocks(frame),
+        walks_blocks=walks_blocks(frame),
+        has_crossings=classifies and any(offers_crossings(layer) for layer in frame.layers),
+        lights_faces=bool(frame.clips) and any(layer.stages["lighting"].name != "unlit" for layer in frame.layers),
+        draws_caps=draws_caps(frame),
+        cuts_at_covers=frame.covers.cut_slabs,
     )
+
+
+def offers_crossings(layer: DrawnLayer) -> bool:
+    """Whether the layer's transfer stage tells surfaces at which slabs are cut."""
+    stage = layer.stages["transfer"]
+    return "next_crossing" in parse(stage_source(stage.wgsl, stage.name)).declared
+
+
+def draws_caps(frame: MarchFrame) -> bool:
+    """Whether some cut is drawn as a solid face: what attenuates nothing has none."""
+    integrate = frame.scene_stages["integrate"]
+    attenuates = getattr(integrate, "uses_slabs", True) and getattr(integrate, "classifies", True)
+    return attenuates and any(clip.capped for clip in frame.clips)
 
 
 def is_curved(frame: MarchFrame) -> bool:
@@ -155,9 +187,14 @@ def is_curved(frame: MarchFrame) -> bool:
 
 
 def skips_blocks(frame: MarchFrame) -> bool:
-    """Whether surfaces are looked for block by block, and it is known in which there is none."""
+    """Whether it is known of blocks of voxels that nothing is in them."""
+    return all("leaps" in layer.resources["field"] for layer in frame.layers)
+
+
+def walks_blocks(frame: MarchFrame) -> bool:
+    """Whether surfaces are looked for block by block."""
     asked = bool(getattr(frame.scene_stages["driver"], "blocks", False))
-    return asked and all("leaps" in layer.resources["field"] for layer in frame.layers)
+    return asked and bool(getattr(frame.scene_stages["integrate"], "surfaces_only", False))
 
 
 def check_refines(frame: MarchFrame) -> None:
@@ -168,25 +205,19 @@ def check_refines(frame: MarchFrame) -> None:
     StageError
         For fields that are not trilinear.
     """
+    switches = switches_of(frame)
     exact = getattr(frame.scene_stages["driver"], "refine", "none") == "exact"
     for layer in frame.layers:
-        if (
-            exact
-            and getattr(frame.scene_stages["integrate"], "surfaces_only", False)
-            and not isinstance(layer.field, TRILINEAR)
-        ):
+        if exact and (switches.surfaces_only or switches.has_crossings) and not isinstance(layer.field, TRILINEAR):
             raise StageError('driver.refine "exact"', f"is for trilinear fields, and {layer.field.name} is none", "use secant")
 
 
 def march_program(frame: MarchFrame) -> Program:
     """Program of the march; a tone stage that looks at the whole image first gets a pass of its own."""
-    for layer in frame.layers:
-        stage = layer.stages["transfer"]
-        if "next_crossing" in parse(stage_source(stage.wgsl, stage.name)).declared:
-            raise StageError(f"look.transfer {stage.name!r}", "offers next_crossing, which no driver asks yet", "leave it out")
     check_refines(frame)
     root = frame.scene_stages["driver"].wgsl
-    outputs = ("radiance", "depth", "hits") if frame.keeps_hits else ("radiance", "depth")
+    wanted = {"hits": frame.keeps_hits, "covers": frame.covers.meshes, "clips": frame.clips}
+    outputs = ("radiance", "depth", *(name for name, is_wanted in wanted.items() if is_wanted))
     if frame.tones_late:
         return frame.program(root, outputs, tone=tones.Linear())
     return frame.program(root, outputs)
@@ -197,7 +228,8 @@ def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any,
     width, height = frame.size_px
     most = frame.device.limits["max-storage-buffer-binding-size"]
     with_hits = frame.keeps_hits or frame.found is not None
-    rows = min(height, max(1, most // ((HIT_BYTES if with_hits else BYTES_PER_PIXEL) * width)), MOST_ROWS)
+    widest = max(HIT_BYTES if with_hits else BYTES_PER_PIXEL, frame.covers.bytes_per_pixel)
+    rows = min(height, max(1, most // (widest * width)), MOST_ROWS)
     bands = [_Band(frame, n, first, min(rows, height - first)) for n, first in enumerate(range(0, height, rows))]
     tone = frame.scene_stages["tone"]
     passes = [Pass("march", (), ("radiance", "depth"), lambda: _march(frame, bands))]
@@ -250,8 +282,17 @@ class _Band:
             band_rows=self.rows,
             step_world=self.frame.step_world,
             t_offset_world=self.frame.t_offset_world,
-            light_count=len(self.frame.scene.lights),
+            strands=self.frame.device.strands,
+            clip_count=len(self.frame.clips),
+            skin_world=SKIN_VOXELS * min(min(layer.context.volume.spacing) for layer in self.frame.layers),
+            cover_count=self.frame.covers.layers * self.frame.covers.see_through,
         )
+
+    def clear(self) -> None:
+        """Fill it as pixels are that show nothing."""
+        compute.clear(self.frame.device, self.radiance)
+        nowhere = np.tile(np.array([FAR, 0.0], dtype=np.float32), self.pixels)
+        self.frame.device.queue.write_buffer(self.depth, 0, nowhere)
 
     def read(self, rgba: np.ndarray[Any, Any], depth: np.ndarray[Any, Any]) -> None:
         part = slice(self.first_row, self.first_row + self.rows)
@@ -271,7 +312,7 @@ def _bind(frame: MarchFrame, program: Program, buffers: Mapping[str, Any], name:
         **bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress),
         **buffers,
         "uniforms": compute.write_uniforms(device, f"uniforms of {name}", data),
-        "lights": compute.write_storage(device, "lights", pack_lights(frame.scene.lights)),
+        "lights": write_lights(device, frame.scene.lights),
     }
     return compute.bind_groups(device, compute.pipeline_of(device, program), resources)
 
@@ -291,11 +332,25 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
     pace: Pace = device.kept.get(("pace", program.key, frame.step_world, sizes), Pace)
     total = frame.size_px[0] * frame.size_px[1]
     before = 0
+    shown = shown_columns(frame)
+    extra: dict[str, Any] = {}
+    if frame.clips:
+        world_from_device = np.eye(4)
+        world_from_device[:3, 3] = frame.anchor_world
+        extra["clips"] = compute.write_storage(device, "clips", pack_clips(frame.clips, world_from_device))
     for band in bands:
+        band.clear()
+        covers = {}
+        if frame.covers.meshes:
+            with frame.clock("meshes"):
+                covers = {"covers": frame.covers.draw(band)}
         groups = _bind(
             frame,
             program,
-            {"radiance": band.radiance, "depth": band.depth} | ({"hits": band.hits} if frame.keeps_hits else {}),
+            {"radiance": band.radiance, "depth": band.depth}
+            | extra
+            | covers
+            | ({"hits": band.hits} if frame.keeps_hits else {}),
             "march",
             pack_uniforms(program, band.uniforms(), values),
         )
@@ -304,13 +359,16 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
         def submit(tile: Tile, band: _Band = band, groups: list[Any] = groups, target: Any = target) -> None:
             part = replace(band.uniforms(), tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
             device.queue.write_buffer(target, 0, pack_uniforms(program, part, values))
-            compute.dispatch(device, pipeline, groups, (-(-tile.width // x), -(-tile.height // y), 1))
+            rows = device.strands * -(-tile.height // device.strands)
+            compute.dispatch(device, pipeline, groups, (-(-tile.width // x), -(-rows // y), 1))
 
         def done(pixels: int, before: int = before) -> None:
             frame.progress("render", before + pixels, total)
 
-        run_tiles(device, tiles(frame.size_px[0], band.first_row, band.rows, pace), submit, pace, frame.check, done)
+        parts = shown.trimmed(tiles(shown.width, band.first_row, band.rows, pace))
+        run_tiles(device, parts, submit, pace, frame.check, done)
         before += band.pixels
+        frame.progress("render", before, total)
 
 
 def _luminance(frame: MarchFrame, bands: list[_Band]) -> None:

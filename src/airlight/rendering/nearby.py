@@ -6,6 +6,7 @@ along a ray in them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy as np
 from ..errors import ValueRangeError
 from ..scene import Light
 from ..stages.camera import Camera, Orthographic
-from ..volume import FloatArray
+from ..volume import FloatArray, Volume, domain_index
 from .resources import DrawnLayer
 
 FAR_AWAY = 100.0  # times the reach of a volume
@@ -30,21 +31,28 @@ def chosen_anchor(layer: DrawnLayer) -> FloatArray:
     return middle if far else np.zeros(3)
 
 
-def near_camera(camera: Camera, anchor_world: FloatArray, layer: DrawnLayer, step_world: float) -> tuple[Camera, float]:
+def near_camera(
+    camera: Camera, anchor_world: FloatArray, layer: DrawnLayer, step_world: float, others: Sequence[FloatArray] = ()
+) -> tuple[Camera, float]:
     """Camera in the device's world, and the distance by which its rays begin later than at the eye.
 
-    Parallel rays begin a whole number of steps later, in front of the volume, so that samples stay where they are.
+    Parallel rays begin a whole number of steps later, in front of the volume and the ``others``, points (n, 3), so that samples
+    stay where they are.
 
     Raises
     ------
     ValueRangeError
-        When a perspective camera is so far away that samples cannot be told apart in 32 bits.
+        When the eye of rays that are not parallel is so far away that samples cannot be told apart in 32 bits.
     """
-    corners = layer.context.volume.corners_world(layer.field.cells)
+    volume, cells = layer.context.volume, layer.field.cells
     _, _, forward = camera.basis()
-    nearest = float(((corners - np.asarray(camera.eye)) @ forward).min())
-    steps = int(nearest / step_world) - 1
     eye, target = np.asarray(camera.eye), np.asarray(camera.target)
+    if isinstance(camera, Orthographic):
+        corners = np.concatenate([volume.corners_world(cells), *others])
+        nearest = float(((corners - eye) @ forward).min())
+    else:
+        nearest = float(np.linalg.norm(_nearest_point(volume, eye, cells) - eye))
+    steps = int(nearest / step_world) - 1
     if steps > MOST_STEPS_AWAY and not isinstance(camera, Orthographic):
         raise ValueRangeError(
             "camera",
@@ -58,6 +66,14 @@ def near_camera(camera: Camera, anchor_world: FloatArray, layer: DrawnLayer, ste
         target=shifted(target + t_offset_world * forward, anchor_world),
     )
     return moved, t_offset_world
+
+
+def _nearest_point(volume: Volume, p_world: FloatArray, cells: bool) -> FloatArray:
+    """Point of a volume's domain that is nearest to a point, in its index coordinates."""
+    low, high = domain_index(volume.size, cells)
+    inwards, outwards = volume.index_from_world, volume.world_from_index
+    p_index = np.clip(inwards[:3, :3] @ p_world + inwards[:3, 3], low, high)
+    return np.asarray(outwards[:3, :3] @ p_index + outwards[:3, 3])
 
 
 def shifted(point: Any, anchor_world: FloatArray) -> tuple[float, float, float]:

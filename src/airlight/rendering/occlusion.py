@@ -13,6 +13,7 @@ from ..gpu.device import Device
 from ..shader.program import FrameUniforms, OcclusionUniforms, ProgramKey, SliceUniforms, Switches, build_program, stage_key
 from ..stage import LabelCells, OpennessGrid, Table
 from ..volume import FloatArray, Volume
+from .clips import pack_clips
 from .resources import DrawnLayer, bound_resources, pack_uniforms, uniform_values
 
 CLASSIFYING = ("field", "gradient", "transfer", "region")
@@ -89,11 +90,12 @@ def _made(
 
     def run(root: str, layers: Any, inputs: dict[str, Any], values: dict[str, Any], bound: Any, at_once: int) -> Any:
         output = f"{root}_out"
+        clips = resource.clips if layers else ()
         key = ProgramKey(
             f"passes/{root}.wgsl",
             (),
             layers,
-            (*inputs, output),
+            (*inputs, output, *(["clips"] if clips else [])),
             ("slice", "occlusion"),
             switches,
             device.traits,
@@ -102,9 +104,13 @@ def _made(
         program = build_program(key)
 
         def pack(first_z: int) -> bytes:
-            return pack_uniforms(program, FrameUniforms(), values | {"occlusion": told, "slice": SliceUniforms(first_z)})
+            frame = FrameUniforms(clip_count=len(clips))
+            return pack_uniforms(program, frame, values | {"occlusion": told, "slice": SliceUniforms(first_z)})
 
         resources = {**bound(program), **inputs, **{f"{name}_sampler": compute.linear_sampler(device) for name in inputs}}
+        if clips:
+            packed = pack_clips(clips, context.volume.world_from_index)
+            resources["clips"] = compute.write_storage(device, "clips of occluders", packed)
         return gradients.compute_voxels(
             device, program, output, "rgba16float", pack, resources, resource.cells, progress, at_once=at_once
         )

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import StageError
+from ..errors import LimitError, StageError
 from ..gpu import blocks, compute, gradients, slab_tables, textures
 from ..gpu.device import Device
 from ..gpu.labels import upload_labels
@@ -144,14 +144,28 @@ def pack_uniforms(program: Program, frame: FrameUniforms, values: Mapping[str, A
     return record.tobytes()
 
 
-def pack_lights(lights: tuple[Light, ...]) -> bytes:
-    """Bytes of the array of lights; one dark light where there is none, since arrays are not empty."""
+def light_count(lights: tuple[Light, ...]) -> int:
+    """How many records of lights a program has: one dark light where there is none, since arrays are not empty."""
+    return max(1, len(lights))
+
+
+def write_lights(device: Device, lights: tuple[Light, ...]) -> Any:
+    """Uniform buffer of the lights: software devices read storage buffers lane by lane.
+
+    Raises
+    ------
+    LimitError
+        When they do not fit into it.
+    """
     struct = class_struct(LightRecord, "LightRecord")
-    records = np.zeros(max(1, len(lights)), dtype=struct.dtype)
+    records = np.zeros(light_count(lights), dtype=struct.dtype)
+    most = device.limits["max-uniform-buffer-binding-size"] // struct.dtype.itemsize
+    if len(records) > most:
+        raise LimitError("scene.lights", f"are {len(lights)}; {device.info.name} takes {most}")
     for record, light in zip(records, lights, strict=False):
         rgb = tuple(light.intensity * c for c in light.colour)
         fill(record, struct, LightRecord(LIGHT_KINDS[light.kind], rgb, light.vector, light.radius or 0.0))  # type: ignore[arg-type]
-    return records.tobytes()
+    return compute.write_uniforms(device, "lights", records.tobytes())
 
 
 def bound_resources(
@@ -191,7 +205,7 @@ def _view(device: Device, resource: Resource, layer: DrawnLayer, anchor_world: F
         case ClassifiedGrid():
             return _classified_texture(device, resource, layer, anchor_world, progress).create_view()
         case BlockLeaps():
-            return leaps_texture(device, resource, layer, anchor_world, progress).create_view()
+            return layer_leaps(device, layer, anchor_world, progress).texture.create_view()
         case DirectionGrid():
             from .directions import number_texture
 
@@ -243,11 +257,11 @@ def _classified_texture(
     )
 
 
-def leaps_texture(
-    device: Device, resource: BlockLeaps, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress
-) -> Any:
-    """Texture of leaps over blocks; ranges are made once for a volume, whatever values are wanted."""
-    ranges, volume = resource.ranges, layer.context.volume
+def layer_leaps(device: Device, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress) -> blocks.Leaps:
+    """Leaps over a layer's blocks; ranges are made once for a volume, whatever values are empty."""
+    resource, volume = layer.resources["field"]["leaps"], layer.context.volume
+    assert isinstance(resource, BlockLeaps)
+    ranges = resource.ranges
     grid = ranges.grid
     key = ("ranges", grid.channels, grid.time, grid.masked, ranges.reach, ranges.overshoot)
 
@@ -261,10 +275,11 @@ def leaps_texture(
         packed = pack_uniforms(program, FrameUniforms(), values)
         return blocks.compute_ranges(device, program, packed, bound, size)  # type: ignore[arg-type]
 
-    def upload() -> Any:
-        return blocks.upload_leaps(device, blocks.leaps(device.kept.get(key, make, grid.volume), resource.wanted))
+    def made() -> blocks.Leaps:
+        return blocks.make_leaps(device, device.kept.get(key, make, grid.volume), resource.empty)
 
-    return device.kept.get(("leaps", *key, resource.wanted), upload, grid.volume)
+    found: blocks.Leaps = device.kept.get(("leaps", *key, resource.empty), made, grid.volume)
+    return found
 
 
 def _alone_key(device: Device, alone: DrawnLayer, root: str, output: str, extra: tuple[str, ...]) -> ProgramKey:

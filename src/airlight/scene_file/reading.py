@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
 import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..clips import Clip
 from ..environment import Environment, Opener
 from ..errors import FileError
+from ..geometry import Lines, Mesh, Points
+from ..geometry.saving import from_dict
 from ..labels import Labels
 from ..scene import VIEWS, Camera, Layer, Light, Look, Scene
 from ..transfer import Channels, TransferFunction
@@ -78,12 +79,14 @@ def load_scene(
         raise root.error("format", f"is {version}, this version reads {FORMAT}", "use a newer airlight")
     background = _background(root, picture)
     lights = [_light(table) for table in root.tables("lights")] if "lights" in root.data else None
+    clips = _clips(root)
     layers = [_layer(table, volume, picture) for table in root.tables("layers")]
+    meshes = [_mesh(table, folder, untrusted) for table in root.tables("meshes")]
     camera = _camera(root)
     options = checked_options(root.table("render"))
     root.close()
     with root.located():
-        return Scene(layers=layers, camera=camera, lights=lights, background=background), options
+        return Scene(layers=layers, camera=camera, lights=lights, background=background, clips=clips, meshes=meshes), options
 
 
 def load_transfer(path: str | Path) -> AnyFunction:
@@ -101,10 +104,11 @@ def _layer(table: Table, volume: Callable[[Table], Volume], picture: Opener) -> 
     function = _transfer(table.table("transfer")) if "transfer" in table.data else None
     visible, density = table.take("visible", bool, True), table.take("density", float, 1.0)
     channel, time = table.take("channel", int | str, 0), table.take("time", int, 0)
+    clips = _clips(table)
     table.taken |= {"volume", "labels", "transfer"}
     table.close()
     with table.located():
-        return Layer(image, function, Look(**chosen), labels, visible, density, channel, time)
+        return Layer(image, function, Look(**chosen), labels, visible, density, channel, time, clips)
 
 
 def _volume(table: Table, key: str, volume: Callable[[Table], Volume]) -> Volume:
@@ -166,25 +170,26 @@ def _camera(root: Table) -> Camera | str:
     return camera
 
 
-def _light(table: Table) -> Light:
-    kind = table.take("kind", str, None)
-    if kind not in ("head", "directional", "point"):
-        raise table.error("kind", f"is {kind!r}, must be one of head, directional, point")
-    common: dict[str, Any] = {
-        "color": table.take("color", str | tuple[float, float, float], (1.0, 1.0, 1.0)),
-        "intensity": table.take("intensity", float, 1.0),
-    }
-    vector = tuple[float, float, float]
+def _clips(table: Table) -> tuple[Clip, ...]:
+    return tuple(_clip(inner) for inner in table.tables("clips"))
+
+
+def _clip(table: Table) -> Clip:
+    with table.located_inside("clip"):
+        return Clip.from_dict(table.data)
+
+
+def _mesh(table: Table, folder: Path, untrusted: bool) -> Mesh | Lines | Points:
+    def place(name: str) -> str:
+        file = os.path.abspath(folder / name)
+        if untrusted and not Path(file).resolve().is_relative_to(folder.resolve()):
+            raise FileError(file, "lies outside of the folder of an untrusted scene", "move it beside the scene")
+        return file
+
     with table.located():
-        if kind == "head":
-            light = Light.head(**common)
-        elif kind == "point":
-            position, radius = table.take("position", vector, None), table.take("radius", float | None, None)
-            light = Light.point(position=position, radius=radius, **common)
-        else:
-            to_light = table.take("to_light", vector, None)
-            light = Light.directional(to_light=to_light, **common)
-            if abs(math.hypot(*to_light) - 1) < 1e-14:  # so that a saved light loads back equal
-                light = dataclasses.replace(light, vector=to_light)
-    table.close()
-    return light
+        return from_dict(table.data, place)
+
+
+def _light(table: Table) -> Light:
+    with table.located_inside("light"):
+        return Light.from_dict(table.data)

@@ -10,10 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from ..clips import Clip
 from ..environment import Environment
 from ..errors import DataError
 from ..files import write_table
-from ..scene import Layer, Light, Look, Scene
+from ..geometry import Lines, Mesh, Points
+from ..geometry.saving import to_dict
+from ..scene import Layer, Look, Scene
 from ..stage import STAGES, Stage, stage_fields
 from ..volume import Volume
 from .options import FORMAT, checked_options, recipe_value
@@ -51,9 +54,12 @@ def save_scene(
         "format": FORMAT,
         "background": "none" if scene.background is None else _plain(scene.background, "background"),
         "camera": scene.camera if isinstance(scene.camera, str) else _stage_data(scene.camera),
-        "lights": [_light_data(light) for light in scene.lights],
+        "lights": [light.to_dict() for light in scene.lights],
+        **_clip_data(scene.clips),
         "layers": [_layer_data(layer, f"layers[{n}]", namer) for n, layer in enumerate(scene.layers)],
     }
+    if scene.meshes:
+        data["meshes"] = [_mesh_data(shape, f"meshes[{n}]", namer) for n, shape in enumerate(scene.meshes)]
     if options:
         data["render"] = options
     write_table(path, _relative_pictures(data, namer))
@@ -102,16 +108,26 @@ class _VolumeNamer:
             return Path(path).absolute().as_posix()
 
 
+def _mesh_data(shape: Mesh | Lines | Points, where: str, namer: _VolumeNamer) -> dict[str, Any]:
+    data = to_dict(shape, where)
+    return data | {"file": namer.relative(data["file"])} if "file" in data else data
+
+
 def _layer_data(layer: Layer, where: str, namer: _VolumeNamer) -> dict[str, Any]:
     data: dict[str, Any] = {"volume": namer(layer.volume, f"{where}.volume")}
     if layer.labels is not None:
         named, styles = namer(layer.labels.volume, f"{where}.labels"), layer.labels.to_dict()
         data["labels"] = {"volume": named} | styles if styles else named
     data |= {"visible": layer.visible, "density": float(layer.density), "channel": layer.channel, "time": layer.time}
+    data |= _clip_data(layer.clips)
     if layer.transfer is not None:
         data["transfer"] = layer.transfer.to_dict()
     data["look"] = {slot: _stage_data(getattr(layer.look, slot)) for slot in Look.__dataclass_fields__}
     return data
+
+
+def _clip_data(clips: tuple[Clip, ...]) -> dict[str, Any]:
+    return {"clips": [clip.to_dict() for clip in clips]} if clips else {}
 
 
 def _stage_data(stage: Stage) -> dict[str, Any] | str:
@@ -127,14 +143,6 @@ def _stage_data(stage: Stage) -> dict[str, Any] | str:
         elif field.default is not None:
             data[field.name] = "none"
     return {"name": stage.name} | data if data or stage.slot == "camera" else stage.name
-
-
-def _light_data(light: Light) -> dict[str, Any]:
-    data: dict[str, Any] = {"kind": light.kind}
-    if light.kind != "head":
-        data["to_light" if light.kind == "directional" else "position"] = _plain(light.vector, "light")
-    data |= {"color": _plain(light.colour, "light"), "intensity": float(light.intensity)}
-    return data | ({} if light.radius is None else {"radius": float(light.radius)})
 
 
 def _relative_pictures(data: Any, namer: _VolumeNamer) -> Any:

@@ -196,7 +196,7 @@ def _take_imports(source: Source) -> tuple[str, tuple[Import, ...]]:
 
 # -- linking
 
-CHOSEN_PER_LAYER = frozenset({"piece"})
+CHOSEN_PER_LAYER = frozenset({"piece", "taps"})
 """What is imported like a slot of layers, but filled by the host: a choice that a layer's stage makes for files it shares."""
 
 Place = tuple[str, int | None]

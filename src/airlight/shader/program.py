@@ -38,6 +38,7 @@ from ..stage import (
     Vec2u,
     Vec3f,
     Vec3u,
+    Vec4f,
     param,
     stage_fields,
     uniform_fields,
@@ -58,8 +59,11 @@ class FrameUniforms:
     band_first_row: U32 = param(0, unit="px")
     band_rows: U32 = param(1, unit="px")
     step_world: F32 = param(1.0, unit="world")
-    light_count: U32 = param(0)
+    strands: U32 = param(1)  # into so many sets of rows, dealt out in turn, a dispatch is cut
     t_offset_world: F32 = param(0.0, unit="world")
+    cover_count: U32 = param(0)
+    clip_count: U32 = param(0)
+    skin_world: F32 = param(0.0, unit="world")
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +94,18 @@ class LightRecord:
     rgb: Vec3f = param((1.0, 1.0, 1.0), unit="radiance")
     vector: Vec3f = param((0.0, 0.0, 1.0), unit="world")
     radius: F32 = param(0.0, unit="world")
+
+
+@dataclass(frozen=True)
+class ClipRecord:
+    """A clip as the device sees it: rows of the way to where its shape is that of its kind; see ``airlight.clips``."""
+
+    x: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
+    y: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
+    z: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
+    kind: U32 = param(0)
+    keeps_inside: Bool = param(True)
+    capped: Bool = param(False)
 
 
 @dataclass(frozen=True)
@@ -157,6 +173,27 @@ class SlabTableUniforms:
     associated: Bool = param(False)
 
 
+@dataclass(frozen=True, eq=False)
+class MeshUniforms:
+    """A mesh, the depths between which meshes lie, and which layer of them is drawn: 0 what is opaque, then from the eye on.
+
+    ``stride`` is how many vectors a vertex has: position, normal, and colour if there are three.
+    """
+
+    world_from_mesh: Mat4f = param(None)
+    normal_from_mesh: Mat3f = param(None)
+    rgb: Vec3f = param((1.0, 1.0, 1.0))
+    opacity: F32 = param(1.0)
+    near_world: F32 = param(0.0, unit="world")
+    far_world: F32 = param(1.0, unit="world")
+    number: U32 = param(0)
+    stride: U32 = param(2)
+    layer: U32 = param(0)
+    layers: U32 = param(0)
+    is_smooth: Bool = param(True)
+    is_lit: Bool = param(True)
+
+
 EXTRA_UNIFORMS: dict[str, type] = {
     "luminance": LuminanceUniforms,
     "slice": SliceUniforms,
@@ -164,11 +201,12 @@ EXTRA_UNIFORMS: dict[str, type] = {
     "classify": ClassifyUniforms,
     "encoding": GradientEncoding,
     "block": BlockUniforms,
+    "mesh": MeshUniforms,
     "slab_table": SlabTableUniforms,
     "occlusion": OcclusionUniforms,
 }
 
-SPACES = {"uniform": "<uniform>", "lights": "<storage, read>", "buffer": "<storage, read_write>"}
+SPACES = {"uniform": "<uniform>", "lights": "<uniform>", "read": "<storage, read>", "buffer": "<storage, read_write>"}
 
 # What passes write and read, by name: WGSL type, and format for storage textures.
 PASS_RESOURCES: dict[str, str] = {
@@ -189,7 +227,20 @@ PASS_RESOURCES: dict[str, str] = {
     "openness_out": "texture_storage_3d<rgba16float, write>",
     "ranges_out": "array<vec2f>",
     "hits": "array<vec4f>",
+    "clips": "array<ClipRecord>",
+    "covers": "array<f32>",
+    "cover_counts": "array<atomic<u32>>",
+    "mesh_vertices": "array<vec4f>",
+    "mesh_faces": "array<u32>",
+    "triangles": "texture_2d<u32>",
+    "peeled_depth": "texture_depth_2d",
+    "opaque_depth": "texture_depth_2d",
 }
+READ_ONLY = ("clips", "mesh_vertices", "mesh_faces")
+
+
+# What voxels add to sums, by whether their samples are packed, and whether some are marked as empty.
+TAPS = {(False, False): "one", (False, True): "masked", (True, False): "packed", (True, True): "packed_masked"}
 
 
 @dataclass(frozen=True)
@@ -245,7 +296,10 @@ class Switches:
     ``surfaces_only``: slabs without a surface need not be taken. ``classifies``: colour and opacity of slabs are looked at.
     ``weighted``: a table of slabs tells which share of the light lies towards the back. ``curved``: values are put right for
     how the field curves along the ray. ``lights_ends``: lighting keeps how ends of slabs are lit.
-    ``skips_blocks``: blocks of voxels in which there is no surface are passed over.
+    ``skips_blocks``: blocks of voxels in which nothing is are passed over. ``walks_blocks``: each of the others is sampled,
+    whatever the step.
+    ``has_crossings``: slabs are cut at surfaces of the transfer function. ``lights_faces``: where clips cut, light comes from
+    their faces. ``draws_caps``: such faces may be solid. ``cuts_at_covers``: slabs are cut where meshes let light pass.
     """
 
     has_empty: bool = False
@@ -256,6 +310,11 @@ class Switches:
     curved: bool = False
     lights_ends: bool = False
     skips_blocks: bool = False
+    walks_blocks: bool = False
+    has_crossings: bool = False
+    cuts_at_covers: bool = False
+    lights_faces: bool = False
+    draws_caps: bool = False
 
 
 @dataclass(frozen=True)
@@ -270,6 +329,7 @@ class ProgramKey:
     switches: Switches
     traits: Traits
     groups: int = 0  # vectors of four in a value; 0 where it is a single number
+    lights: int = 1
 
     def __str__(self) -> str:
         def one(slot: str, key: StageKey) -> str:
@@ -335,6 +395,10 @@ def build_program(key: ProgramKey) -> Program:
             if slot == "transfer":
                 piece = getattr(stage.cls, "piece", "unattenuated")
                 slots["piece"] = (*slots.get("piece", ()), (piece, package_source(f"transfer/{piece}.wgsl")))
+            if slot == "field":
+                told = dict(stage.statics)
+                taps = TAPS[bool(told.get("packed")), bool(told.get("masked"))]
+                slots["taps"] = (*slots.get("taps", ()), (taps, package_source(f"taps/{taps}.wgsl")))
     for name in key.extra:
         cls = EXTRA_UNIFORMS[name]
         members.append((name, class_struct(cls, name.title()), ""))
@@ -344,28 +408,36 @@ def build_program(key: ProgramKey) -> Program:
     )
     blocks = "leaps" if key.switches.skips_blocks else "unknown"
     slots["blocks"] = ((blocks, package_source(f"blocks/{blocks}.wgsl")),)
+    walk = "surfaces" if key.switches.walks_blocks else "lattice"
+    slots["walk"] = ((walk, package_source(f"walk/{walk}.wgsl")),)
+    covers = "meshes" if "covers" in key.outputs else "none"
+    slots["covers"] = ((covers, package_source(f"covers/{covers}.wgsl")),)
+    clips = "cut" if "clips" in key.outputs else "whole"
+    slots["clips"] = ((clips, package_source(f"clips/{clips}.wgsl")),)
     hits = "kept" if "hits" in key.outputs else "dropped"
     slots["hits"] = ((hits, package_source(f"hits/{hits}.wgsl")),)
     slots["values"] = (("values", package_source("values/packed.wgsl" if key.groups else "values/one.wgsl")),)
     uniforms = make_struct("Uniforms", members)
     build.bind(0, "uniforms", "Uniforms", "uniform")
     if any(slot == "shade" for layer in key.layers for slot, _ in layer):
-        build.names["lights", None, "lights"] = build.bind(0, "lights", "array<LightRecord>", "lights")
+        build.names["lights", None, "lights"] = build.bind(0, "lights", "array<LightRecord, LIGHTS>", "lights")
         build.names["lights", None, "LightRecord"] = "LightRecord"
     for name in key.outputs:
         wgsl = PASS_RESOURCES[name]
-        kind = "buffer" if wgsl.startswith("array") else "storage_texture" if "storage" in wgsl else "filtered"
+        kind = _pass_kind(name, wgsl)
         build.names["pass", None, name] = build.bind(3, name, wgsl, kind)
         if kind == "filtered":
             build.names["pass", None, f"{name}_sampler"] = build.bind(3, f"{name}_sampler", "sampler", "sampler")
     x, y = key.traits.workgroup
     constants = {"WORKGROUP_X": x, "WORKGROUP_Y": y, "LUMINANCE_SUMS": LUMINANCE_SUMS, "GROUPS": key.groups}
-    constants["BLOCK_VOXELS"] = BLOCK_VOXELS
+    constants |= {"BLOCK_VOXELS": BLOCK_VOXELS, "LIGHTS": key.lights}
     switches = {name.upper(): str(value).lower() for name, value in dataclasses.asdict(key.switches).items()}
     for name in ("Values", *switches, *constants):
         build.names["sizes", None, name] = name
     structs = {m.struct.name: m.struct for m in uniforms.members if m.struct}
     structs["LightRecord"] = class_struct(LightRecord, "LightRecord")
+    structs["ClipRecord"] = class_struct(ClipRecord, "ClipRecord")
+    build.names["clips", None, "ClipRecord"] = "ClipRecord"
     text = "\n".join(
         [
             f"alias Values = {f'array<vec4f, {key.groups}>' if key.groups else 'f32'};",
@@ -379,6 +451,14 @@ def build_program(key: ProgramKey) -> Program:
     )
     linked = link(stage_source(key.root, "driver"), slots, Generated(text, build.names))
     return Program(linked, uniforms, tuple(build.bindings), key)
+
+
+def _pass_kind(name: str, wgsl: str) -> str:
+    """How a resource of a pass is bound."""
+    if wgsl.startswith("array"):
+        return "read" if name in READ_ONLY else "buffer"
+    kinds = {"texture_2d<u32>": "numbers_2d", "texture_depth_2d": "depth_2d"}
+    return kinds.get(wgsl, "storage_texture" if "storage" in wgsl else "filtered")
 
 
 class _Builder:

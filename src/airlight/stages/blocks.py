@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from ..stage import BlockLeaps, BlockRanges, Context, Grid, Stage
@@ -18,14 +18,25 @@ class Samples(Nearest):
     filtered: ClassVar[bool] = True
 
 
-def block_leaps(field: Field, integrate: Stage, context: Context) -> BlockLeaps | None:
-    """Return what is asked of the device to pass over blocks without a value that the integrate stage looks for.
+def block_leaps(field: Field, integrate: Stage, transfer: Stage, context: Context) -> BlockLeaps | None:
+    """Return what is asked of the device to pass over blocks whose values leave the result as it is.
 
-    None where it looks for all, or one value does not tell of a field's samples.
+    None where all values count, or one value does not tell of a field's samples.
     """
-    wanted = integrate.wanted(context) if isinstance(integrate, Integrate) else None
-    ranges = block_ranges(field, context)
-    return None if wanted is None or ranges is None else BlockLeaps(ranges, wanted)
+    empty = integrate.idle_values(transfer, context) if isinstance(integrate, Integrate) else ()
+    ranges = block_ranges(field, context) if empty else None
+    if ranges is not None and field.smooth and getattr(transfer, "has_surfaces", False):
+        ranges = with_moved_values(ranges, math.ceil(context.step_world / min(context.volume.spacing)))
+    return None if ranges is None else BlockLeaps(ranges, empty)
+
+
+def with_moved_values(ranges: BlockRanges, step_voxels: int) -> BlockRanges:
+    """Return ranges that also hold values put right for curvature, which surfaces are told by.
+
+    A value is moved by a sixth of its distance from the line between its two neighbours on the ray.
+    """
+    moved = (1 + 2 * ranges.overshoot) / 6
+    return replace(ranges, reach=ranges.reach + step_voxels, overshoot=ranges.overshoot + moved)
 
 
 def block_ranges(field: Field, context: Context) -> BlockRanges | None:

@@ -24,7 +24,7 @@ class CameraFrame:
 
 
 class Camera(Stage):
-    """A camera, as a value. Make one with ``Camera.perspective`` or ``Camera.orthographic``.
+    """A camera, as a value. Make one with ``Camera.perspective``, ``orthographic``, ``stereo``, ``panorama`` or ``dome``.
 
     ``eye``, ``target`` and ``up`` are world points and a direction, as x, y, z. Distances along rays are measured from the
     eye, for orthographic cameras from the plane through the eye.
@@ -39,12 +39,44 @@ class Camera(Stage):
     @staticmethod
     def perspective(*, eye: Vec3f, target: Vec3f, up: Vec3f = (0.0, 0.0, 1.0), fov_deg: float = 30.0) -> Perspective:
         """Camera with a vertical angle of view ``fov_deg`` in degrees."""
-        return Perspective(eye=_point(eye), target=_point(target), up=_point(up), fov_deg=float(fov_deg))
+        return Perspective(eye=point_of(eye), target=point_of(target), up=point_of(up), fov_deg=float(fov_deg))
 
     @staticmethod
     def orthographic(*, eye: Vec3f, target: Vec3f, up: Vec3f = (0.0, 0.0, 1.0), height: float = 1.0) -> Orthographic:
         """Camera with parallel rays that shows ``height`` world units from bottom to top."""
-        return Orthographic(eye=_point(eye), target=_point(target), up=_point(up), height=float(height))
+        return Orthographic(eye=point_of(eye), target=point_of(target), up=point_of(up), height=float(height))
+
+    @staticmethod
+    def stereo(
+        *,
+        eye: Vec3f,
+        target: Vec3f,
+        up: Vec3f = (0.0, 0.0, 1.0),
+        fov_deg: float = 30.0,
+        interocular: float | None = None,
+        convergence: float | None = None,
+        view: str = "both",
+    ) -> Stereo:
+        """Camera of two eyes side by side; ``.eyes()`` are the two for images of their own.
+
+        ``eye`` is the middle between them. ``interocular`` is their distance (None: 1/30 of the convergence), ``convergence``
+        the distance without parallax (None: that of the target), both in world units.
+        """
+        frame = {"eye": point_of(eye), "target": point_of(target), "up": point_of(up)}
+        return Stereo(**frame, fov_deg=float(fov_deg), interocular=interocular, convergence=convergence, view=view)
+
+    @staticmethod
+    def panorama(
+        *, eye: Vec3f, target: Vec3f, up: Vec3f = (0.0, 0.0, 1.0), width_deg: float = 360.0, height_deg: float = 180.0
+    ) -> Panorama:
+        """Camera that looks all round, equirectangular: ``width_deg`` by ``height_deg`` degrees round the target."""
+        frame = {"eye": point_of(eye), "target": point_of(target), "up": point_of(up)}
+        return Panorama(**frame, width_deg=float(width_deg), height_deg=float(height_deg))
+
+    @staticmethod
+    def dome(*, eye: Vec3f, target: Vec3f, up: Vec3f = (0.0, 0.0, 1.0), angle_deg: float = 180.0) -> Dome:
+        """Camera with an equidistant fisheye: a disk of ``angle_deg`` degrees across, up to 360."""
+        return Dome(eye=point_of(eye), target=point_of(target), up=point_of(up), angle_deg=float(angle_deg))
 
     def __post_init__(self) -> None:
         """Check the parameters and that the three vectors span a frame."""
@@ -97,7 +129,8 @@ def _on_image(camera: Camera, half_height: float, p_px: tuple[float, float], siz
     return np.asarray(half_height * (aside * size_px[0] / size_px[1] * right + above * up))
 
 
-def _point(value: Vec3f) -> tuple[float, float, float]:
+def point_of(value: Vec3f | FloatArray) -> tuple[float, float, float]:
+    """Three numbers as a tuple of floats."""
     if np.shape(value) != (3,):
         raise ValueRangeError("camera", f"got {value!r}", "give three numbers, x, y, z")
     x, y, z = value
@@ -109,9 +142,9 @@ def _frame(camera: Camera, half_height: float, size_px: tuple[int, int]) -> Came
     half_width = half_height * size_px[0] / size_px[1]
     return CameraFrame(
         eye=camera.eye,
-        forward=_point(tuple(forward)),
-        right=_point(tuple(right * half_width)),
-        up=_point(tuple(up * half_height)),
+        forward=point_of(forward),
+        right=point_of(right * half_width),
+        up=point_of(up * half_height),
     )
 
 
@@ -129,19 +162,20 @@ class Perspective(Camera):
 
     def uniforms(self, context: Context) -> CameraFrame:
         """Return the frame for the image's size."""
-        return _frame(self, self._half_height, context.size_px)
+        return _frame(self, self.half_height, context.size_px)
 
     def ray(self, p_px: tuple[float, float], size_px: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
         """Return where the ray of a point of the image begins, and its direction, both (3,) in the world."""
-        direction = self.basis()[2] + _on_image(self, self._half_height, p_px, size_px)
+        direction = self.basis()[2] + _on_image(self, self.half_height, p_px, size_px)
         return np.array(self.eye), direction / np.linalg.norm(direction)
 
     def pixel_width(self, size_px: tuple[int, int]) -> tuple[float, float]:
         """Return how wide a pixel is in the middle of the image: at the eye [world], and more per world unit of distance."""
-        return 0.0, 2 * self._half_height / size_px[1]
+        return 0.0, 2 * self.half_height / size_px[1]
 
     @property
-    def _half_height(self) -> float:
+    def half_height(self) -> float:
+        """Half of what the image shows from bottom to top, at a distance of one."""
         return math.tan(math.radians(self.fov_deg) / 2)
 
 
@@ -159,12 +193,23 @@ class Orthographic(Camera):
 
     def uniforms(self, context: Context) -> CameraFrame:
         """Return the frame for the image's size."""
-        return _frame(self, self.height / 2, context.size_px)
+        return _frame(self, self.half_height, context.size_px)
 
     def ray(self, p_px: tuple[float, float], size_px: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
         """Return where the ray of a point of the image begins, and its direction, both (3,) in the world."""
-        return self.eye + _on_image(self, self.height / 2, p_px, size_px), self.basis()[2]
+        return self.eye + _on_image(self, self.half_height, p_px, size_px), self.basis()[2]
 
     def pixel_width(self, size_px: tuple[int, int]) -> tuple[float, float]:
         """Return how wide a pixel is in the middle of the image: at the eye [world], and more per world unit of distance."""
         return self.height / size_px[1], 0.0
+
+    @property
+    def half_height(self) -> float:
+        """Half of what the image shows from bottom to top."""
+        return self.height / 2
+
+
+# They are made of the above.
+from .camera_round import Dome as Dome  # noqa: E402
+from .camera_round import Panorama as Panorama  # noqa: E402
+from .camera_stereo import Stereo as Stereo  # noqa: E402

@@ -6,7 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..stage import Stage, register, static
+from ..stage import Stage, register, static, value
+from ..transfer.given import whole
+
+MOST_MESH_LAYERS = 32
 
 
 @register
@@ -25,6 +28,19 @@ class March(Stage):
         help="how the place of a surface between two samples is sharpened",
     )
     blocks: bool = static(True, help="sample each block of 4 voxels that may hold the surface, whatever the step")
+    mesh_layers: int = value(
+        4, at_least=1, up_to=MOST_MESH_LAYERS, help="most semi-transparent layers of meshes that a ray meets, the nearest ones"
+    )
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        super().__post_init__()
+        whole(self.mesh_layers, "driver.march.mesh_layers", 1)
+
+
+def sharpens_surfaces(driver: Stage) -> bool:
+    """Whether a driver looks for the places of surfaces between samples."""
+    return getattr(driver, "refine", "none") != "none"
 
 
 def gains_from_curvature(stages: Mapping[str, Stage]) -> bool:

@@ -45,6 +45,7 @@ class Environment(Shade):
 
     name: ClassVar[str] = "environment"
     wgsl: ClassVar[str] = "shade/environment.wgsl"
+    asks_lights: ClassVar[bool] = False
     uniform_type: ClassVar[type] = EnvironmentUniforms
     environment: Surroundings = value(Surroundings.studio(), help="where light comes from")
     roughness: F32 = param(0.35, at_least=0, up_to=1, help="from a mirror to a dull coat")

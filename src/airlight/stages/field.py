@@ -26,6 +26,8 @@ class Field(Stage):
         Whether the device half has ``field_derivative``, which the gradient stage ``analytic`` asks for.
     instead_if_empty
         What to do about empty samples where the field would spread them.
+    masked
+        Whether empty samples are marked and left out.
     """
 
     slot: ClassVar[str] = "field"
@@ -33,8 +35,8 @@ class Field(Stage):
     cells: ClassVar[bool] = False
     smooth: ClassVar[bool] = True
     filtered: ClassVar[bool] = False
-    masked: ClassVar[bool] = False
     differentiable: ClassVar[bool] = False
+    masked: bool = False
 
     @property
     def support_voxels(self) -> float:
@@ -53,6 +55,10 @@ class Field(Stage):
     def groups(self, context: Context) -> int:
         """Return the number of vectors of four that a value has, 0 where it is a single number."""
         return 0 if len(context.channels) == 1 else len(needed_groups(context))
+
+    def variant(self, context: Context) -> dict[str, bool]:
+        """Return what voxels are read: several channels, marked samples; it decides which file fills ``slot::taps``."""
+        return {"packed": self.groups(context) > 0, "masked": self.masked}
 
     def for_empty(self) -> Field:
         """Return the field that keeps empty samples (NaN, no-data) from spreading; taken for volumes that have any."""
@@ -155,8 +161,7 @@ class NearestMasked(Nearest):
     """The value of the nearest voxel, where empty voxels are transparent."""
 
     name: ClassVar[str] = "nearest_masked"
-    wgsl: ClassVar[str] = "field/nearest_masked.wgsl"
-    masked: ClassVar[bool] = True
+    masked = True
 
 
 @dataclass(frozen=True)
@@ -164,9 +169,7 @@ class LinearMasked(LinearExact):
     """Trilinear interpolation of the samples that are there; empty where less than half of the weight is."""
 
     name: ClassVar[str] = "linear_masked"
-    wgsl: ClassVar[str] = "field/linear_masked.wgsl"
-    masked: ClassVar[bool] = True
-    differentiable: ClassVar[bool] = False
+    masked = True
 
 
 @register
@@ -231,7 +234,7 @@ class PreClassifiedMasked(PreClassified):
     name: ClassVar[str] = "preclassified_masked"
     wgsl: ClassVar[str] = "field/preclassified_masked.wgsl"
     filtered: ClassVar[bool] = False
-    masked: ClassVar[bool] = True
+    masked = True
 
 
 @dataclass(frozen=True)

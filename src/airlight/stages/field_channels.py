@@ -38,23 +38,26 @@ class OfChannels(Field):
     """
 
     uniform_type: ClassVar[type] = ChannelsUniforms
-    differentiable: ClassVar[bool] = False
 
     def uniforms(self, context: Context) -> Any:
         """Return the places of the groups and the lines of their channels."""
-        stacked = needed_groups(context)
-        lines = lines_of(context)
-        parts = {
-            name: by_group({lane: getattr(line, name) for lane, line in lines.items()})
-            for name in ("weight", "low", "high", "nothing")
-        }
-        slices = context.volume.size[2] * -(-len(context.channels) // 4)
-        a, b, c, d = (float(g) for g in (*stacked, 0, 0, 0)[:4])
-        return ChannelsUniforms(stacked=(a, b, c, d), slice=1.0 / slices, **parts)
+        return ChannelsUniforms(**channels_values(context))
 
     def for_channels(self) -> Field:
         """Return the field itself."""
         return self
+
+
+def channels_values(context: Context) -> dict[str, Any]:
+    """Members of ``ChannelsUniforms``: the places of the groups and the lines of their channels."""
+    stacked, lines = needed_groups(context), lines_of(context)
+    parts = {
+        name: by_group({lane: getattr(line, name) for lane, line in lines.items()})
+        for name in ("weight", "low", "high", "nothing")
+    }
+    slices = context.volume.size[2] * -(-len(context.channels) // 4)
+    a, b, c, d = (float(g) for g in (*stacked, 0, 0, 0)[:4])
+    return {"stacked": (a, b, c, d), "slice": 1.0 / slices, **parts}
 
 
 def lanes_of(context: Context) -> tuple[int, ...]:
@@ -105,7 +108,6 @@ class NearestChannels(OfChannels, Nearest):
     """The values of the nearest voxel."""
 
     name: ClassVar[str] = "nearest_channels"
-    wgsl: ClassVar[str] = "field/nearest_channels.wgsl"
 
     def for_empty(self) -> Field:
         """Return the nearest field over marked samples."""
@@ -129,7 +131,6 @@ class LinearExactChannels(OfChannels, LinearExact):
     """Trilinear interpolation in the shader."""
 
     name: ClassVar[str] = "linear_exact_channels"
-    wgsl: ClassVar[str] = "field/linear_exact_channels.wgsl"
 
     def for_empty(self) -> Field:
         """Return the linear field over marked samples."""
@@ -141,7 +142,7 @@ class NearestChannelsMasked(NearestChannels):
     """The values of the nearest voxel, where empty samples of a channel hold nothing."""
 
     name: ClassVar[str] = "nearest_channels_masked"
-    masked: ClassVar[bool] = True
+    masked = True
 
 
 @dataclass(frozen=True)
@@ -149,5 +150,4 @@ class LinearChannelsMasked(LinearExactChannels):
     """Trilinear interpolation of the samples that are there, channel by channel."""
 
     name: ClassVar[str] = "linear_channels_masked"
-    wgsl: ClassVar[str] = "field/linear_channels_masked.wgsl"
-    masked: ClassVar[bool] = True
+    masked = True

@@ -3,28 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
+from ..errors import StageError
 from ..reconstruction import kernels, spline
 from ..stage import F32, Context, Grid, Mat4f, Resource, param, register, static
 from .field import Field
+from .field_channels import ChannelsUniforms, channels_values
 
 SHARES = np.linspace(0.0, 1.0, 1025)  # of the way through a cell, at which weights are looked at
 
 
+@dataclass(frozen=True)
 class Filter(Field):
-    """Base of the fields that take more voxels than the eight round a place."""
+    """Base of the fields that take more voxels than the eight round a place.
 
+    Empty samples are left out: sums over the others are divided by the sum of their weights, and where that is below half there
+    is nothing (normalised convolution, Knutsson and Westin 1993). Channels have the same weights.
+    """
+
+    uniform_type: ClassVar[type | None] = ChannelsUniforms
     differentiable: ClassVar[bool] = True
+    masked: bool = field(default=False, kw_only=True, repr=False)
 
-    instead_if_empty: ClassVar[str] = "use linear or nearest, or fill them"
+    @property
+    def excess(self) -> float:
+        """By how much of its samples' range the field may leave it where all samples are there."""
+        return 0.0
+
+    @property
+    def overshoot(self) -> float:
+        """By the negative weights; twice as much where the others may weigh no more than half."""
+        return (2 if self.masked else 1) * self.excess
+
+    def uniforms(self, context: Context) -> Any:
+        """Return the places of several channels."""
+        return ChannelsUniforms(**channels_values(context))
+
+    def for_empty(self) -> Field:
+        """Return the same filter over marked samples."""
+        return replace(self, masked=True)
+
+    def for_channels(self) -> Field:
+        """Return the filter itself."""
+        return self
 
 
 @dataclass(frozen=True, eq=False)
-class CubicUniforms:
+class CubicUniforms(ChannelsUniforms):
     """Weights of the four voxels of an axis: a column for each power of the share of the way through a cell."""
 
     basis: Mat4f = param(None)
@@ -47,13 +76,13 @@ class Cubic(Filter):
         return 2.0
 
     @property
-    def overshoot(self) -> float:
+    def excess(self) -> float:
         """By the negative weights."""
         return kernels.overshoot_of(kernels.greatest_gain(kernels.cubic_weights(*self.family, SHARES)))
 
     def uniforms(self, context: Context) -> Any:
         """Return the weights as polynomials."""
-        return CubicUniforms(kernels.cubic_basis(*self.family))
+        return CubicUniforms(**channels_values(context), basis=kernels.cubic_basis(*self.family))
 
 
 class Spline(Filter):
@@ -67,7 +96,7 @@ class Spline(Filter):
         return 2.0
 
     @property
-    def overshoot(self) -> float:
+    def excess(self) -> float:
         """None: weights are positive, those of coefficients, too."""
         return 0.0
 
@@ -75,8 +104,21 @@ class Spline(Filter):
         """Return the samples, or the coefficients that stand for them."""
         if not self.prefilter:
             return super().resources(context)
-        volume = spline.coefficients(context.volume, context.channel, context.time)
-        return {"grid": Grid(volume, (0,), 0, self.filtered)}
+        volume = spline.coefficients(context.volume, context.channels, context.time)
+        return {"grid": Grid(volume, tuple(range(volume.channel_count)), 0, self.filtered)}
+
+    def for_empty(self) -> Field:
+        """Return the exact spline over marked samples.
+
+        Raises
+        ------
+        StageError
+            When it is to go through the samples, which asks for all of them.
+        """
+        if self.prefilter:
+            what = "goes through the samples, and some are empty (NaN, no-data)"
+            raise StageError(f"look.field.{self.name}.prefilter", what, "use prefilter=false or catmull_rom, or fill them")
+        return BSplineExact(masked=True)
 
 
 @register
@@ -92,6 +134,10 @@ class BSpline(Spline):
     wgsl: ClassVar[str] = "field/bspline.wgsl"
     filtered: ClassVar[bool] = True
     prefilter: bool = static(False, help="go through the samples: coefficients in their place, computed once")
+
+    def for_channels(self) -> Field:
+        """Return the exact spline."""
+        return BSplineExact(self.prefilter)
 
 
 @register

@@ -19,6 +19,7 @@ from ..stage import U32, Context, Resource, Table, param, register, static
 from ..transfer.given import listed
 from ..volume import FloatArray
 from .field import Field
+from .field_channels import ChannelsUniforms, channels_values
 from .field_filters import SHARES, Filter
 
 GREATEST_RADIUS = 8  # 4096 voxels to a value
@@ -29,7 +30,7 @@ KEPT_TABLES = 8
 
 
 @dataclass(frozen=True, eq=False)
-class SeparableUniforms:
+class SeparableUniforms(ChannelsUniforms):
     """How many pairs of voxels of an axis have weight."""
 
     pairs: U32 = param(1)
@@ -52,13 +53,13 @@ class Separable(Filter):
         return float(self.radius)
 
     @property
-    def overshoot(self) -> float:
+    def excess(self) -> float:
         """By the negative weights."""
         return kernels.overshoot_of(kernels.greatest_gain(self.weights()[0]))
 
     def uniforms(self, context: Context) -> Any:
         """Return the number of pairs of voxels along an axis, one on either side."""
-        return SeparableUniforms(self.radius)
+        return SeparableUniforms(**channels_values(context), pairs=self.radius)
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
         """Return the samples, and the table: a row for two voxels, their weights and the derivatives of these."""
@@ -169,7 +170,7 @@ def _nothing(where: str) -> ValueRangeError:
 
 
 @dataclass(frozen=True, eq=False)
-class BodyUniforms:
+class BodyUniforms(ChannelsUniforms):
     """How many voxels of an axis have weight, and the places of the table."""
 
     taps: U32 = param(2, unit="voxel")
@@ -234,7 +235,7 @@ class KernelBody(Filter):
         return float(self.radius)
 
     @property
-    def overshoot(self) -> float:
+    def excess(self) -> float:
         """By the negative weights."""
         return (self._sums[1] - 1) / 2
 
@@ -270,7 +271,7 @@ class KernelBody(Filter):
 
     def uniforms(self, context: Context) -> Any:
         """Return the voxels along an axis, and the samples of the kernel."""
-        return BodyUniforms(2 * self.radius, self.side)
+        return BodyUniforms(**channels_values(context), taps=2 * self.radius, places=self.side)
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
         """Return the samples of the volume and those of the kernel, with its derivatives along x, y and z."""

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ..errors import ValueRangeError
-from ..stage import F32, Bool, Context, Stage, Vec3f, param, register, static
+from ..stage import F32, Bool, Context, Mat3f, Resource, Stage, Stretches, Table, Vec3f, param, register, static, value
 from ..transfer.joint import JointFunction
+from .hit_colours import COLOUR_BY, UNUSED_COLOURS, check_colours, colour_table, hit_colour_uniforms, is_by_curvature
+from .transfer import Transfer
 
 
 class Integrate(Stage):
@@ -19,8 +22,8 @@ class Integrate(Stage):
     ``uses_slabs`` tells whether colour is lit at all; ``classifies`` whether ``take`` looks at colour and opacity of slabs;
     ``uses_values`` whether it looks at values; ``skips_empty`` whether empty slabs leave the result as it is, ``surfaces_only``
     whether all slabs without a surface do; ``colours_samples`` whether ``medium`` is asked about samples of the field, not
-    about numbers made of several, which lie nowhere; ``thinned`` by what all extinctions are multiplied before slabs are
-    classified.
+    about numbers made of several, which lie nowhere; ``takes_covers`` whether semi-transparent meshes are taken in between, as
+    slabs without length; ``thinned`` by what all extinctions are multiplied before slabs are classified.
     """
 
     slot: ClassVar[str] = "integrate"
@@ -30,11 +33,17 @@ class Integrate(Stage):
     skips_empty: ClassVar[bool] = False
     surfaces_only: ClassVar[bool] = False
     colours_samples: ClassVar[bool] = True
+    takes_covers: ClassVar[bool] = False
     thinned: ClassVar[float] = 1.0
 
-    def wanted(self, context: Context) -> tuple[tuple[float, float], ...] | None:
-        """Return closed intervals of values; where the field has none of them the result stays as it is. None is all values."""
-        return None
+    @property
+    def uses_gradient(self) -> bool:
+        """Whether the look's gradient stage is asked beside light."""
+        return False
+
+    def idle_values(self, transfer: Stage, context: Context) -> Stretches:
+        """Return closed intervals of values; where all of the field's lie within one of them the result stays as it is."""
+        return transfer.empty_values(context) if self.skips_empty and isinstance(transfer, Transfer) else ()
 
 
 @register
@@ -51,6 +60,7 @@ class EmissionAbsorption(Integrate):
     classifies: ClassVar[bool] = True
     uses_values: ClassVar[bool] = False
     skips_empty: ClassVar[bool] = True
+    takes_covers: ClassVar[bool] = True
     opaque_at: F32 = param(0.99995, above=0, up_to=1, help="opacity at which a ray ends")
 
 
@@ -82,14 +92,23 @@ class Mean(Integrate):
     colours_samples: ClassVar[bool] = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FirstHitUniforms:
-    """First hit with the iso-value resolved, and the colours of the function's surface there."""
+    """First hit with the iso-value resolved, the colours of the function's surface there, and numbers shown as colours.
+
+    Distances are told in index coordinates, since those of the device's world are shifted. A normal of zero is none.
+    """
 
     iso: F32 = param(0.0, unit="data")
     coloured: Bool = param(False)
     front_rgb: Vec3f = param((1.0, 1.0, 1.0))
     back_rgb: Vec3f = param((1.0, 1.0, 1.0))
+    low: F32 = param(0.0)
+    per_number: F32 = param(1.0)
+    from_eye: Bool = param(False)
+    point_index: Vec3f = param((0.0, 0.0, 0.0), unit="voxel")
+    normal: Vec3f = param((0.0, 0.0, 0.0))
+    world_from_index: Mat3f = param(None, unit="world/voxel")
 
 
 @register
@@ -100,6 +119,11 @@ class FirstHit(Integrate):
     Without ``iso`` it is the value at which the transfer function reaches half of its greatest extinction. ``side`` tells what
     is solid (the alpha tests of Westermann and Ertl 1998): values of at least ``iso``, of at most ``iso``, or neither: a thin
     sheet that is met from both sides. Where the function has a ``Surface`` at this very value, the sheet has its colours.
+
+    ``colour_by`` shows a number as a colour of the map ``colours`` from ``low`` to ``high`` instead: a curvature of the surface
+    in 1/world (Gaussian: 1/world^2), positive where it is round like a ball of high values, by the look's gradients on all
+    sides of the hit (Kindlmann et al. 2003); or a distance, from the eye, from a ``point``, or from the plane through the
+    point that is perpendicular to ``normal``. Cut faces keep the function's colour.
     """
 
     name: ClassVar[str] = "first_hit"
@@ -109,9 +133,32 @@ class FirstHit(Integrate):
     uses_slabs: ClassVar[bool] = True
     iso: F32 | None = param(None, unit="data", help="value of the surface")
     side: str = static("above", choices=("above", "below", "both"), help="which values are solid; both: a sheet with two sides")
+    colour_by: str = static("function", choices=COLOUR_BY, help="what of the surface is shown as a colour")
+    colours: str = value("viridis", help="colour map of what is shown")
+    low: F32 | None = param(None, unit="1/world, world", help="number of the first colour; None: by the volume")
+    high: F32 | None = param(None, unit="1/world, world", help="number of the last colour; None: by the volume")
+    point: Vec3f | None = param(None, unit="world", help="distances are those from here; None: from the eye")
+    normal: Vec3f | None = param(None, help="distances are those from a plane, positive on this side of it")
+
+    def __post_init__(self) -> None:
+        """Check the numbers and the colour map."""
+        super().__post_init__()
+        if self.normal is not None and not np.any(self.normal):
+            raise ValueRangeError("integrate.first_hit.normal", f"is {self.normal}, must have a length")
+        if self.colour_by != "function":
+            check_colours(self.colours, "integrate.first_hit.colours")
+
+    @property
+    def uses_gradient(self) -> bool:
+        """Whether the look's gradient stage is asked, lit or not."""
+        return is_by_curvature(self.colour_by)
+
+    def resources(self, context: Context) -> Mapping[str, Resource]:
+        """Return the colour map."""
+        return {"colours": Table(UNUSED_COLOURS if self.colour_by == "function" else colour_table(self.colours))}
 
     def uniforms(self, context: Context) -> FirstHitUniforms:
-        """Return the iso-value.
+        """Return the iso-value, and how numbers become colours.
 
         Raises
         ------
@@ -129,14 +176,16 @@ class FirstHit(Integrate):
         sheet = next((s for s in getattr(context.transfer, "surfaces", ()) if s.value == iso), None)
         if self.side == "below":
             iso = float(np.nextafter(np.float32(iso), np.float32(np.inf)))  # a sample on the very value is solid here, too
+        shown = hit_colour_uniforms(self, context)
         if sheet is None:
-            return FirstHitUniforms(iso)
-        return FirstHitUniforms(iso, True, sheet.front[0], sheet.back[0])
+            return FirstHitUniforms(iso, **shown)
+        return FirstHitUniforms(iso, True, sheet.front[0], sheet.back[0], **shown)
 
-    def wanted(self, context: Context) -> tuple[tuple[float, float], ...]:
-        """Return what lies on the surface or is solid."""
-        iso = self.uniforms(context).iso
-        return ((-math.inf if self.side == "below" else iso, math.inf if self.side == "above" else iso),)
+    def idle_values(self, transfer: Stage, context: Context) -> Stretches:
+        """Return what lies before the surface, and behind it where that is not solid."""
+        iso = np.float32(self.uniforms(context).iso)
+        before, behind = (-math.inf, float(np.nextafter(iso, np.float32(-np.inf)))), (float(iso), math.inf)
+        return {"above": (before,), "below": (behind,), "both": (before, behind)}[self.side]
 
 
 from .projections import AttenuatedMip, DepthShadedMip, LocalMip, WeightedSum, XRay  # noqa: E402  (they are made of the above)

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..errors import StageError
+from ..errors import StageError, ValueRangeError
 from ..keeping import Kept
 from ..stage import (
     F32,
@@ -137,7 +137,14 @@ class Quantised(Lighting):
     lights_ends: ClassVar[bool] = True
     directions: str = static("dodecahedron", choices=("dodecahedron", "spiral", "annealed"), help="set of normals")
     count: U32 = param(240, at_least=4, up_to=2047, help="number of normals")
-    seed: U32 = param(0, help="start of random choices")
+    seed: U32 = param(0, help="start of the random choices of annealed ones")
+
+    def __post_init__(self) -> None:
+        """Check the parameters; only annealed directions are a matter of chance."""
+        super().__post_init__()
+        if self.seed and self.directions != "annealed":
+            what = f"is {self.seed}, and nothing is random about {self.directions!r}"
+            raise ValueRangeError("lighting.quantised.seed", what, 'use directions="annealed", or leave it out')
 
     @property
     def splits_slabs(self) -> bool:

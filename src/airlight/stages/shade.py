@@ -12,12 +12,13 @@ from .field_channels import scalar_range
 class Shade(Stage):
     """Base of the shade stages.
 
-    ``lit`` tells whether normals and lights are needed at all; ``by_direction`` whether nothing of a sample counts but its
-    gradient, and its place for what lights send there.
+    ``lit`` tells whether normals and lights are needed at all, ``asks_lights`` whether the scene's lights are; ``by_direction``
+    whether nothing of a sample counts but its gradient, and its place for what lights send there.
     """
 
     slot: ClassVar[str] = "shade"
     lit: ClassVar[bool] = True
+    asks_lights: ClassVar[bool] = True
     by_direction: ClassVar[bool] = False
 
 
@@ -29,6 +30,7 @@ class NoShade(Shade):
     name: ClassVar[str] = "none"
     wgsl: ClassVar[str] = "shade/none.wgsl"
     lit: ClassVar[bool] = False
+    asks_lights: ClassVar[bool] = False
 
 
 @dataclass(frozen=True)

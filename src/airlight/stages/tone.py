@@ -8,6 +8,11 @@ from typing import ClassVar
 from ..stage import F32, Stage, param, register
 
 
+def keeps_black(stage: Stage) -> bool:
+    """Whether a stage says that it maps no light to none, so that pixels without any need not be drawn."""
+    return bool(getattr(stage, "keeps_black", False))
+
+
 @register
 @dataclass(frozen=True)
 class Linear(Stage):
@@ -16,6 +21,7 @@ class Linear(Stage):
     slot: ClassVar[str] = "tone"
     name: ClassVar[str] = "linear"
     wgsl: ClassVar[str] = "tone/linear.wgsl"
+    keeps_black: ClassVar[bool] = True
     exposure: F32 = param(0.0, unit="stop", at_least=-32, up_to=32, help="doubles the light with each stop")
 
 
@@ -31,6 +37,7 @@ class Reinhard(Stage):
     slot: ClassVar[str] = "tone"
     name: ClassVar[str] = "reinhard"
     wgsl: ClassVar[str] = "tone/reinhard.wgsl"
+    keeps_black: ClassVar[bool] = True
     reads: ClassVar[tuple[str, ...]] = ("luminance",)
     exposure: F32 = param(0.0, unit="stop", at_least=-32, up_to=32, help="doubles the light with each stop")
     key: F32 = param(0.18, above=0, up_to=1, help="what the average luminance becomes")

@@ -11,15 +11,40 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..errors import StageError
-from ..stage import F32, U32, Context, Estimate, Mat4f, Resource, SlabTable, Stage, Table, Vec4f, param, register, static
+from ..stage import (
+    F32,
+    U32,
+    Context,
+    Estimate,
+    Mat4f,
+    Resource,
+    SlabTable,
+    Stage,
+    Stretches,
+    Table,
+    Vec4f,
+    param,
+    register,
+    static,
+)
 from ..transfer import Channels, JointFunction, TransferFunction
-from ..transfer.cells import end_media, even_cells, function_texels, has_stepped_ends, integral_to, two_parts, value_axis
+from ..transfer.cells import (
+    end_media,
+    even_cells,
+    function_texels,
+    has_stepped_ends,
+    integral_to,
+    piece_texels,
+    two_parts,
+    value_axis,
+)
 from ..transfer.kinds import DrawnFunction
 from ..transfer.regions import ByRegion
-from ..transfer.tables import check_table, colour_error, entries_needed
+from ..transfer.tables import check_table, colour_error, entries_needed, is_better_cut
 from ..volume import FloatArray
 
 Vec4 = tuple[float, float, float, float]
+CUT_ERROR = 1e-4  # of a colour
 
 STAND_INS: dict[type, str] = {
     TransferFunction: "surfaces",
@@ -53,13 +78,15 @@ class FunctionUniforms:
 class Transfer(Stage):
     """Base of the transfer stages: the function itself, as the cells that it is linear in.
 
-    ``integrates`` tells whether slabs run along the straight line between their two values; ``piece`` names the file below
-    ``transfer/`` that draws a piece of such a line, for WGSL that imports ``slot::piece::between``.
+    ``integrates`` tells whether slabs run along the straight line between their two values, ``has_surfaces`` whether surfaces
+    are met on it; ``piece`` names the file below ``transfer/`` that draws a piece of such a line, for WGSL that imports
+    ``slot::piece::between``.
     """
 
     slot: ClassVar[str] = "transfer"
     uniform_type: ClassVar[type | None] = FunctionUniforms
     integrates: ClassVar[bool] = False
+    has_surfaces: ClassVar[bool] = False
     piece: ClassVar[str] = "unattenuated"
 
     def for_function(self, function: DrawnFunction) -> Transfer:
@@ -79,15 +106,27 @@ class Transfer(Stage):
         """Return the stage that tells which part of a slab's light comes from each of its ends, if it is not this."""
         return self
 
+    def for_context(self, context: Context) -> Transfer:
+        """Return the stage that draws a function as exactly as this promises to, if it is not this."""
+        return self
+
+    def sharpened(self) -> Transfer:
+        """Return the stage that tells its surfaces one by one, for drivers that look for their places, if it is not this."""
+        return self
+
+    def empty_values(self, context: Context) -> Stretches:
+        """Return the stretches of values, at most four, on each of which the function holds nothing."""
+        return widest(context.transfer.empty_stretches)
+
     def has_empty(self, context: Context) -> bool:
         """Whether there are values at which the function holds nothing, so that slabs can be skipped."""
-        return bool(context.transfer.empty_stretches)
+        return bool(self.empty_values(context))
 
     def uniforms(self, context: Context) -> Any:
         """Return the axis of the function."""
         tf = context.transfer
         first, last = value_axis(tf)
-        low, high = four_widest(tf.empty_stretches)
+        low, high = ends_of(self.empty_values(context))
         integral_high, integral_low = two_parts(integral_to(tf, np.maximum(low, first)))
         before, behind = end_media(tf)
         return FunctionUniforms(
@@ -150,10 +189,14 @@ def is_empty_beyond(function: TransferFunction) -> bool:
     return bool(stretches) and stretches[0][0] == -np.inf and stretches[-1][1] == np.inf
 
 
-def four_widest(stretches: tuple[tuple[float, float], ...]) -> tuple[Vec4, Vec4]:
-    """Low and high ends of the four widest stretches; what is left out is drawn like everything else."""
-    widest = sorted(stretches, key=lambda s: s[0] - s[1])[:4]
-    ends = [(max(low, -3e38), min(high, 3e38)) for low, high in widest] + [(3e38, -3e38)] * (4 - len(widest))
+def widest(stretches: Stretches) -> Stretches:
+    """Return the four widest stretches; what is left out is drawn like everything else."""
+    return tuple(sorted(stretches, key=lambda s: s[0] - s[1])[:4])
+
+
+def ends_of(stretches: Stretches) -> tuple[Vec4, Vec4]:
+    """Low and high ends of at most four stretches."""
+    ends = [(max(low, -3e38), min(high, 3e38)) for low, high in stretches] + [(3e38, -3e38)] * (4 - len(stretches))
     (a, b, c, d), (e, f, g, h) = zip(*ends, strict=True)
     return (a, b, c, d), (e, f, g, h)
 
@@ -188,26 +231,72 @@ class FastPreIntegrated(Transfer):
 
 @register
 @dataclass(frozen=True)
+class ExactPreIntegrated(Transfer):
+    """The function integrated along the straight line between a slab's two values, from control point to control point.
+
+    Between these colour and extinction are linear, and eight nodes tell what light leaves: exact at any depth and length,
+    without a table. Slabs take time by the control points whose values they cross.
+    """
+
+    name: ClassVar[str] = "preintegrated_exact"
+    integrates: ClassVar[bool] = True
+    piece: ClassVar[str] = "cut"
+    wgsl: ClassVar[str] = "transfer/preintegrated.wgsl"
+    weighted: bool = static(False, help="tell which share of a slab's light lies towards its back")
+
+    def splitting(self) -> Transfer:
+        """Return the stage that tells both ends apart."""
+        return replace(self, weighted=True)
+
+    def variant(self, context: Context) -> dict[str, bool]:
+        """Return what all transfer stages return; pieces between control points are not equally wide."""
+        return super().variant(context) | {"even": False}
+
+    def errors(self, context: Context) -> Mapping[str, Estimate]:
+        """Return what eight nodes, and what is too deep to be seen, cost a slab."""
+        return {"colour of a slab": CUT_ERROR * float(context.transfer.colours.max())}
+
+    def resources(self, context: Context) -> Mapping[str, Resource]:
+        """Return the pieces of the function."""
+        return {"function": Table(piece_texels(context.transfer))}
+
+
+@register
+@dataclass(frozen=True)
 class PreIntegrated(Transfer):
     """The function integrated along the straight line between a slab's two values, with attenuation inside the slab.
 
     Engel and Ertl, section 6; Lum, Wilson and Ma, section 4. Opacity and mean source are exact, what attenuation shifts comes
-    from a table, see ``docs/slots/transfer.md``.
+    from a table, see ``docs/slots/transfer.md``. Where no table is accurate ``preintegrated_exact`` takes its place.
     """
 
     name: ClassVar[str] = "preintegrated"
     integrates: ClassVar[bool] = True
     piece: ClassVar[str] = "attenuated"
     wgsl: ClassVar[str] = "transfer/preintegrated.wgsl"
-    entries: U32 = param(0, at_least=0, up_to=4096, help="size of the table along each axis; 0 chooses it from the function")
+    entries: U32 = param(
+        0, at_least=0, up_to=4096, help="size of the table along each axis; 0 chooses it, or none, from the function"
+    )
     lengths: U32 = param(1, at_least=1, up_to=64, help="lengths of slabs in the table; one serves shorter slabs well")
     weighted: bool = static(False, help="keep which share of a slab's light lies towards its back")
+
+    @property
+    def exact(self) -> type[ExactPreIntegrated]:
+        """The class that takes its place where no table is accurate."""
+        return ExactPreIntegrated
 
     def table(self, context: Context) -> SlabTable:
         """Return the table of slabs."""
         entries = self.entries or entries_needed(context.transfer, context.step_world)
         check_table(context.step_world, entries, self.lengths)
         return SlabTable(context.transfer, context.step_world, entries, self.lengths, self.weighted)
+
+    def for_context(self, context: Context) -> Transfer:
+        """Return the stage that cuts slabs at control points, where the choice is free and no table is accurate."""
+        table = self.table(context)
+        if self.entries or not is_better_cut(table.function, table.length):
+            return self
+        return self.exact(weighted=self.weighted)
 
     def uniforms(self, context: Context) -> Any:
         """Return the axis of the function and the size of the table."""

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..errors import StageError
-from ..stage import U32, Context, Estimate, Mat4f, Resource, Table, param
+from ..stage import U32, Context, Estimate, Mat4f, Resource, Stretches, Table, param
 from ..transfer.cells import all_even, even_cells, has_stepped_ends, stacked_texels, value_axis
 from ..transfer.channels import ENDLESS, Channels
 from ..transfer.function import TransferFunction
@@ -62,6 +62,10 @@ class Mixture(OfSeveral):
     """Base of the stages for several channels: extinctions add, colours are weighted by extinction."""
 
     uniform_type: ClassVar[type] = MixtureUniforms
+
+    def empty_values(self, context: Context) -> Stretches:
+        """Return nothing: one value does not tell of several."""
+        return ()
 
     def has_empty(self, context: Context) -> bool:
         """Whether there are values at which no function holds anything."""

@@ -10,11 +10,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..errors import StageError
-from ..stage import U32, Context, Estimate, Resource, Table, Vec3f, Vec3u, Vec4f, param
+from ..stage import U32, Context, Estimate, Resource, Stretches, Table, Vec3f, Vec3u, Vec4f, param
 from ..transfer.channels import MOST_CHANNELS
 from ..transfer.joint import TABLE_ENTRIES, JointFunction
 from ..transfer.kinds import DrawnFunction
-from .transfer import Transfer, four_widest
+from .transfer import Transfer, ends_of, widest
 
 GRADIENT, SECOND = MOST_CHANNELS, MOST_CHANNELS + 1
 SAMPLES = 32
@@ -71,16 +71,18 @@ class Joint(Transfer):
         has_second = "second" in function.variables
         return {"associated": function.associated, "has_gradient": self.uses_gradient(function), "has_second": has_second}
 
-    def has_empty(self, context: Context) -> bool:
-        """Whether there are values at which the function holds nothing, so that slabs can be skipped."""
-        return context.transfer.variables[0] not in ("gradient", "second")
+    def empty_values(self, context: Context) -> Stretches:
+        """Return the stretches of the first variable on which nothing is, where that is a value."""
+        function: JointFunction = context.transfer
+        if function.variables[0] in ("gradient", "second"):
+            return ()
+        return widest(function.empty_values_widened(function.axes[0].span / (self._entries(function) - 1)))
 
     def uniforms(self, context: Context) -> Any:
         """Return the axes of the function and the size of its table."""
         function: JointFunction = context.transfer
         n, count = self._entries(function), len(function.axes)
-        margin = function.axes[0].span / (n - 1)
-        low, high = four_widest(function.empty_values_widened(margin) if self.has_empty(context) else ())
+        low, high = ends_of(self.empty_values(context))
         pad = [0.0] * (3 - count)
         return JointUniforms(
             variables=tuple([_number(variable, context) for variable in function.variables] + [0] * (3 - count)),  # type: ignore[arg-type]

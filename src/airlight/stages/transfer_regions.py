@@ -12,7 +12,7 @@ from ..stage import U32, Context, Estimate, Mat4f, Vec4f, param
 from ..transfer.cells import even_cells, value_axis
 from ..transfer.regions import ByRegion
 from .field_channels import by_group
-from .transfer import Transfer, four_widest, without_table
+from .transfer import Transfer, ends_of, without_table
 from .transfer_channels import OfSeveral, evenness_error
 
 
@@ -40,7 +40,7 @@ class OfRegions(OfSeveral):
         """Return the axes of the functions."""
         functions = context.transfer.functions
         axes = [value_axis(function) for function in functions]
-        low, high = four_widest(context.transfer.empty_stretches)
+        low, high = ends_of(self.empty_values(context))
         return RegionFunctionsUniforms(
             count=len(functions),
             first_value=by_group(dict(enumerate(first for first, _ in axes))),

@@ -69,7 +69,7 @@ class AmbientOcclusion(Stage):
             what = f"is {radius:g}, and cells have {cell_world:g}"
             raise ValueRangeError("look.visibility.ambient_occlusion.radius", what, "look further, or take more cells")
         x, y, z = (-(-n // b) for n, b in zip(context.volume.size, block, strict=True))
-        return OpennessGrid((x, y, z), block, cell_world, radius, self.directions)
+        return OpennessGrid((x, y, z), block, cell_world, radius, self.directions, context.clips)
 
     def uniforms(self, context: Context) -> AmbientOcclusionUniforms:
         """Return the way to the texture."""

@@ -127,6 +127,20 @@ def integral_to(function: TransferFunction, values: npt.ArrayLike) -> FloatArray
 
 
 @lru_cache(maxsize=32)
+def pieces_of(function: TransferFunction) -> Cells:
+    """Cut a function at its control points alone."""
+    first, last = value_axis(function)
+    within = function.values[(function.values > first) & (function.values < last)]
+    return cut_at(function, np.unique([first, *within, last]))
+
+
+@lru_cache(maxsize=32)
+def piece_texels(function: TransferFunction) -> npt.NDArray[np.float32]:
+    """Rows as those of ``function_texels``, binned, of cells that end at control points alone."""
+    return _binned(pieces_of(function))
+
+
+@lru_cache(maxsize=32)
 def function_texels(function: TransferFunction, binned: bool = False) -> npt.NDArray[np.float32]:
     """Rows of four numbers for ``wgsl/transfer/cells.wgsl``, 64 to a line of the texture: one row a bin, five a cell.
 
@@ -135,15 +149,24 @@ def function_texels(function: TransferFunction, binned: bool = False) -> npt.NDA
     cells have no bins and do without their first row, unless they are to be ``binned``.
     """
     cells = cells_of(function)
+    if even_cells(function) and not binned:
+        return _in_lines(_cell_rows(cells)[:, 1:].reshape(-1, 4))
+    return _binned(cells)
+
+
+def _cell_rows(cells: Cells) -> npt.NDArray[np.float32]:
     count = len(cells.low)
-    first, last = cells.axis
     cell_rows = np.zeros((count, ROWS_PER_CELL, 4), dtype=np.float32)
     cell_rows[:, 0, 0], cell_rows[:, 0, 1] = cells.borders[:-1], cells.borders[1:]
     cell_rows[:, 0, 2] = 1 / np.diff(cells.borders)
     cell_rows[:, 1], cell_rows[:, 2] = cells.low, cells.high
     cell_rows[:, 3], cell_rows[:, 4] = two_parts(cells.integral[:-1])
-    if even_cells(function) and not binned:
-        return _in_lines(cell_rows[:, 1:].reshape(-1, 4))
+    return cell_rows
+
+
+def _binned(cells: Cells) -> npt.NDArray[np.float32]:
+    (first, last), count = cells.axis, len(cells.low)
+    cell_rows = _cell_rows(cells)
     cell_rows[-1, 0, 1] = np.finfo(np.float32).max  # no value lies above the last cell
     # A bin's number is found in 32 bits: it may be one too large just below its edge.
     edges = first + (np.arange(BINS) - 1e-3) / BINS * (last - first)

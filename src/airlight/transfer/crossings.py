@@ -28,7 +28,7 @@ PER_BIN = 3
 MARGIN = 1e-3
 ROW_WIDTH = 64
 PAIR_LINE = 1024
-ROWS_IN_MEDIUM = 5
+ROWS_ALONE, ROWS_IN_MEDIUM = 3, 7
 LAYERS_ALONE, LAYERS_IN_MEDIUM = 3, 9
 IntArray = npt.NDArray[np.int64]
 Texels = npt.NDArray[np.float32]
@@ -62,14 +62,14 @@ def _in_bins(function: TransferFunction, bins: int) -> tuple[IntArray, IntArray]
 def surface_texels(function: TransferFunction, in_medium: bool) -> Texels:
     """Rows of four numbers for ``wgsl/transfer/surfaces.wgsl``, 64 to a line of the texture.
 
-    The row of a bin: the number of its first surface, and its (at most three) next iso-values. The first row of a surface: its
-    value, and zeros; in a medium four rows more: the function's integral as a sum of two 32-bit numbers, and source and
-    extinction just below and at the value.
+    The row of a bin: the number of its first surface, and its (at most three) next iso-values. The rows of a surface: its
+    value, and zeros; colour and opacity of its front, and of its back; in a medium four rows more: the function's integral as a
+    sum of two 32-bit numbers, and source and extinction just below and at the value.
     """
     bins = bin_count(function)
     values = iso_values(function)
     first, held = _in_bins(function, bins)
-    count = ROWS_IN_MEDIUM if in_medium else 1
+    count = ROWS_IN_MEDIUM if in_medium else ROWS_ALONE
     rows = np.zeros((bins + count * len(values), 4), dtype=np.float32)
     rows[:bins, 0] = first
     rows[:bins, 1:] = np.finfo(np.float32).max
@@ -78,10 +78,12 @@ def surface_texels(function: TransferFunction, in_medium: bool) -> Texels:
         rows[:bins, 1 + place][there] = values[first[there] + place]
     surface = rows[bins:].reshape(-1, count, 4)
     surface[:, 0, 0] = values
+    for row, sides in ((1, [s.front for s in function.surfaces]), (2, [s.back for s in function.surfaces])):
+        surface[:, row] = [(*colour, opacity) for colour, opacity in sides]
     if in_medium:
         medium = medium_of(function)
-        surface[:, 1], surface[:, 2] = two_parts(integral_to(medium, values))
-        for row, at in ((3, np.nextafter(values, -np.inf)), (4, values)):
+        surface[:, 3], surface[:, 4] = two_parts(integral_to(medium, values))
+        for row, at in ((5, np.nextafter(values, -np.inf)), (6, values)):
             surface[:, row, :3], surface[:, row, 3] = medium.source(at), medium(at)[1]
     texels = np.zeros((1, -(-len(rows) // ROW_WIDTH), ROW_WIDTH, 4), dtype=np.float32)
     texels.reshape(-1, 4)[: len(rows)] = rows

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from numbers import Integral
 from typing import Any
 
 import numpy as np
 
 from ..errors import ValueRangeError
+
+ROUNDING = 1e-12  # of the length of a direction
 
 
 def listed(given: Any, where: str, remedy: str) -> tuple[Any, ...]:
@@ -97,6 +100,21 @@ def finite_numbers(given: Any, where: str, *counts: int) -> tuple[float, ...]:
     if not isinstance(given, (tuple, list, np.ndarray)) or len(given) not in counts:
         raise ValueRangeError(where, f"is {given!r}", f"give {' or '.join(map(str, counts))} numbers")
     return tuple(finite(part, f"{where}[{number}]") for number, part in enumerate(given))
+
+
+def direction(given: Any, where: str) -> tuple[float, float, float]:
+    """Return a direction of length one; one that has it but for rounding stays as it is.
+
+    Raises
+    ------
+    ValueRangeError
+        When it is no three finite numbers, or has no length.
+    """
+    x, y, z = finite_numbers(given, where, 3)
+    length = math.hypot(x, y, z)
+    if not 0 < length < math.inf:
+        raise ValueRangeError(where, f"is {given!r}, must be a finite direction")
+    return (x, y, z) if abs(length - 1) <= ROUNDING else (x / length, y / length, z / length)
 
 
 def whole(given: Any, where: str, least: int, most: int | None = None, remedy: str = "") -> int:

@@ -48,14 +48,16 @@ PRESETS: dict[str, Preset] = {
         ((150, "#a3704f", 0.0), (260, "#d9b48c", 0.12), (450, "#efdfc0", 0.9), (900, "#f7efdf", 1.6), (1500, "#ffffff", 2.0)),
     ),
     "ct_soft_tissue": Preset(
-        "muscles and organs, fat left out",
+        "muscles and organs with the bones behind them, fat left out",
         (
-            (-20, "#b05444", 0.0),
-            (30, "#c4685a", 0.12),
-            (80, "#d88c7c", 0.3),
-            (180, "#e8b498", 0.45),
-            (400, "#efdfc0", 0.9),
-            (1200, "#ffffff", 1.5),
+            (5, "#7a2a22", 0.0),
+            (40, "#a84438", 0.06),
+            (80, "#c96a55", 0.16),
+            (120, "#dc8a66", 0.3),
+            (160, "#eeb070", 0.5),
+            (220, "#f2d2a0", 0.8),
+            (350, "#f3e6cc", 1.4),
+            (1200, "#ffffff", 2.0),
         ),
     ),
     "ct_skin": Preset(

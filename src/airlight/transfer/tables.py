@@ -22,11 +22,12 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import ValueRangeError
-from .cells import Cells, cut_at, integral_to, two_parts, value_axis
+from .cells import cut_at, integral_to, pieces_of, two_parts, value_axis
 from .function import FloatArray, TransferFunction
 
 SIZES = (128, 256, 512, 1024)
 MOST_ENTRIES = 4096
+MOST_PIECES = 512  # of a slab that is cut at control points: a turn of a loop each
 LEAST_MOVE = 1e-3
 ACCURATE = 1 / 512
 ROWS_PER_ENTRY = 3
@@ -65,7 +66,7 @@ def segment_rows(function: TransferFunction, entries: int) -> npt.NDArray[np.flo
     segment), and (colour, extinction) at both ends. No control point between two entries is lost: it begins a piece.
     """
     ends, segment = _entry_values(function, entries)
-    cells = cut_at(function, np.union1d(ends, _within(function)))
+    cells = cut_at(function, np.union1d(ends, pieces_of(function).borders))
     begins = np.searchsorted(cells.borders, ends)
     pieces = len(cells.low)
     rows = np.zeros((ROWS_PER_ENTRY * entries + ROWS_PER_PIECE * pieces, 4), dtype=np.float32)
@@ -85,23 +86,11 @@ def _entry_values(function: TransferFunction, entries: int) -> tuple[FloatArray,
     """Values of the entries, and how far they lie apart; entries next to control points lie on them."""
     first, last = value_axis(function)
     ends, segment = np.linspace(first, last, entries), (last - first) / (entries - 1)
-    points = _within(function)
+    points = pieces_of(function).borders[1:-1]
     nearest = np.rint((points - first) / segment).astype(np.int64)
     close = np.abs(points - ends[nearest]) < 1e-6 * segment
     ends[nearest[close]] = points[close]
     return ends, segment
-
-
-def _within(function: TransferFunction) -> FloatArray:
-    """Values of the control points inside the axis."""
-    first, last = value_axis(function)
-    return function.values[(function.values > first) & (function.values < last)]
-
-
-@lru_cache(maxsize=16)
-def _pieces(function: TransferFunction) -> Cells:
-    """Cut a function at its control points alone."""
-    return cut_at(function, np.unique([*value_axis(function), *_within(function)]))
 
 
 def slab_light(function: TransferFunction, front: FloatArray, back: FloatArray, length: float) -> tuple[FloatArray, FloatArray]:
@@ -111,7 +100,7 @@ def slab_light(function: TransferFunction, front: FloatArray, back: FloatArray, 
     from, 0 at the front and 1 at the back: it is the back's part. Gauss' rule over parts of a small optical depth.
     """
     light, moment = np.zeros((len(front), 4)), np.zeros((len(front), 4))
-    at_once = max(1, MOST_AT_ONCE // len(_pieces(function).low))
+    at_once = max(1, MOST_AT_ONCE // len(pieces_of(function).low))
     for first in range(0, len(front), at_once):
         rows = slice(first, first + at_once)
         light[rows], moment[rows] = _slab_light(function, front[rows], back[rows], length)
@@ -121,7 +110,7 @@ def slab_light(function: TransferFunction, front: FloatArray, back: FloatArray, 
 def _slab_light(
     function: TransferFunction, front: FloatArray, back: FloatArray, length: float
 ) -> tuple[FloatArray, FloatArray]:
-    cells = _pieces(function)
+    cells = pieces_of(function)
     apart = np.where(front == back, 1e-9 * (cells.axis[1] - cells.axis[0]), 0.0)
     back = np.where(back + apart > cells.axis[1], back - apart, back + apart)
     low, high = np.minimum(front, back), np.maximum(front, back)
@@ -287,3 +276,10 @@ def _light_and_mean(
 def entries_needed(function: TransferFunction, length: float) -> int:
     """Least of the usual sizes whose interpolation stays below 1/512 over slabs of a length, or the greatest of them."""
     return next((n for n in SIZES if colour_error(function, length, n) <= ACCURATE), SIZES[-1])
+
+
+def is_better_cut(function: TransferFunction, length: float) -> bool:
+    """Whether no usual size is accurate, and control points are few enough to go from one to the next within a slab."""
+    if len(pieces_of(function).low) > MOST_PIECES:
+        return False
+    return colour_error(function, length, entries_needed(function, length)) > ACCURATE

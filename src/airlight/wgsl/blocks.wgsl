@@ -3,9 +3,6 @@
 import generated::sizes::BLOCK_VOXELS;
 import package::ray::INFINITE;
 
-// Into so many pieces the way through a block is cut where surfaces are looked for: less than a voxel long in the mean.
-const PIECES = 3.0;
-
 struct Way {
   origin: vec3f,     // of the ray, in blocks
   direction: vec3f,  // [blocks/world]

@@ -2,10 +2,10 @@
 // by a sixth of its distance. Straight lines between such samples have the mean of the curve, where it is a parabola.
 
 import generated::sizes::{HAS_EMPTY, Values};
-import package::sample::Sample;
+import package::walk::Fetched;
 import slot::values::{mix_values, where_there};
 
-fn curved_value(before: Sample, here: Sample, after: Sample) -> Values {
+fn curved_value(before: Fetched, here: Fetched, after: Fetched) -> Values {
   let share = (here.t_world - before.t_world) / max(after.t_world - before.t_world, 1e-30);
   let straight = mix_values(before.value, after.value, share);
   let moved = mix_values(straight, here.value, 7.0 / 6.0);

@@ -1,138 +1,169 @@
 // The ray march: one ray a pixel, slab by slab from the eye. There is no other march loop.
 
 import generated::frame::frame;
-import generated::layer::layer;
-import generated::driver::{BLOCKS, OFFSETS, REFINE};
+import generated::driver::REFINE;
 import generated::pass::{radiance, depth};
-import generated::sizes::{CLASSIFIES, CURVED, HAS_EMPTY, LIGHTS_ENDS, SKIPS_EMPTY, SURFACES_ONLY, WORKGROUP_X, WORKGROUP_Y};
-import package::blocks::{PIECES, Way, way_from, step_on};
-import package::curved::curved_value;
+import generated::sizes::{CLASSIFIES, CUTS_AT_COVERS, DRAWS_CAPS, HAS_CROSSINGS, HAS_EMPTY, LIGHTS_ENDS, LIGHTS_FACES, SKIPS_EMPTY};
+import generated::sizes::{CURVED, SURFACES_ONLY, WORKGROUP_X, WORKGROUP_Y};
+import package::cover::{Cover, result_over};
+import package::faces::{Face, cap_of, face_gradient, face_of, lit_behind, lit_cap};
+import package::kept::Kept;
 import package::ray::{Ray, INFINITE};
-import package::optics::tinted;
+import package::optics::{thicker, tinted};
 import package::refine::refined;
-import package::sample::{Sample, Slab, Result};
+import package::sample::{Sample, Sheet, Slab, Result};
+import package::walk::{Line, fetch, line_of, sample_of};
 import slot::camera::eye_ray;
-import slot::field::{locate, field_value};
+import slot::clips::{HAS_CLIPS, kept_from};
+import slot::covers::{HAS_COVERS, cover_at};
+import slot::field::locate;
 import slot::gradient::field_gradient;
 import slot::hits::{KEEPS_HITS, keep_hit};
-import slot::transfer::{medium, empty_slab, Known, know, know_empty, classify_known};
+import slot::transfer::{medium, Known, know, know_empty, classify_known, next_crossing, know_crossing};
 import slot::lighting::{light_slab, LitEnd, know_light, light_known};
 import slot::modulation::weight;
-import slot::region::{part_at, hidden_at};
+import slot::region::part_at;
 import slot::integrate::{Accumulated, begin, take, finish, surface, level, surface_rgb};
 import slot::tone::tone;
-import slot::blocks::leap_of;
 import slot::values::{is_gap, mix_values, scalar_of, with_scalar};
+import slot::walk::{ends_of, begin_walk, walk_on};
+
+const HALF_OPAQUE = 4.0;  // the side of what is kept where no surfaces are looked for
 
 @compute @workgroup_size(WORKGROUP_X, WORKGROUP_Y)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-  if (any(id.xy >= frame.tile_size_px)) { return; }
-  let pixel = frame.tile_origin_px + id.xy;
+  // Software devices give each processor one stretch of rows: dealt out in turn, all get as much to do.
+  let rows = (frame.tile_size_px.y + frame.strands - 1u) / frame.strands;
+  let place = vec2u(id.x, (id.y % rows) * frame.strands + id.y / rows);
+  if (any(place >= frame.tile_size_px)) { return; }
+  let pixel = frame.tile_origin_px + place;
   let p_px = vec2f(pixel) + 0.5;
   var samples = 0.0;
-  var met = vec2f(0.0);
-  let ray = eye_ray(p_px);
-  let result = march(ray, offset_of(pixel), &samples, &met);
+  var met = Met(0.0, 0.0, 0u);
+  let line = line_of(eye_ray(p_px), pixel);
   let at = (pixel.y - frame.band_first_row) * frame.size_px.x + pixel.x;
+  let result = march(line, at, &samples, &met);
   radiance[at] = vec4f(tone(result.rgb, p_px), result.alpha);
   depth[at] = vec2f(result.t_world + frame.t_offset_world, samples);
   if (KEEPS_HITS) {
-    let index_ray = ray_in_index(ray);
-    let t_world = select(0.0, result.t_world, met.y > 0.0);
-    let gradient = field_gradient(locate(index_ray.origin_index + t_world * index_ray.direction_index));
-    keep_hit(at, vec4f(gradient, met.x) * f32(met.y > 0.0), vec4f(result.t_world, met.y, 0.0, 0.0));
+    if (!SURFACES_ONLY && result.t_world < INFINITE) { met.side = HALF_OPAQUE; }
+    let t_world = select(0.0, result.t_world, met.side > 0.0);
+    var gradient = field_gradient(locate(line.index.origin + t_world * line.index.direction));
+    if (met.clip > 0u) { gradient = face_gradient(met.clip, line.ray.origin_world + t_world * line.ray.direction_world); }
+    keep_hit(at, vec4f(gradient, met.value) * f32(met.side > 0.0), vec4f(result.t_world, met.side, 0.0, 0.0));
   }
 }
 
-// `met` is the value of the surface that is hit, and its side: 1 on the way up, 2 on the way down, 3 where the ray begins inside.
-fn march(ray: Ray, offset: f32, samples: ptr<function, f32>, met: ptr<function, vec2f>) -> Result {
-  let index_ray = ray_in_index(ray);
-  let span = domain_span(index_ray);
-  if (span.y <= span.x) { return Result(vec3f(0.0), 0.0, INFINITE); }
-  let h = frame.step_world;
+// What is seen of meshes, beside those in front of which the ray has not gone on: in front of a surface that was hit, and behind all.
+fn covered(marched: Result, at: u32, first: u32) -> Result {
+  if (!HAS_COVERS) { return marched; }
+  var number = first;
+  var seen = marched;
+  if (SURFACES_ONLY) {
+    seen = Result(vec3f(0.0), 0.0, INFINITE);
+    loop {
+      let cover = cover_at(at, number);
+      if (cover.t_world >= marched.t_world) { break; }
+      seen = result_over(seen, Result(cover.rgb, cover.alpha, cover.t_world));
+      number++;
+    }
+    seen = result_over(seen, marched);
+  }
+  loop {
+    let cover = cover_at(at, number);
+    if (cover.t_world >= INFINITE) { break; }
+    seen = result_over(seen, Result(cover.rgb, cover.alpha, cover.t_world));
+    number++;
+  }
+  let last = cover_at(at, 0u);
+  return result_over(seen, Result(last.rgb, last.alpha, last.t_world));
+}
+
+// The surface that is hit: its value; its side, 1 on the way up, 2 on the way down, 3 where what clips keep begins inside; and the
+// number of the clip that cuts there, 0 where none does.
+struct Met { value: f32, side: f32, clip: u32 }
+
+fn march(line: Line, at: u32, samples: ptr<function, f32>, met: ptr<function, Met>) -> Result {
   var acc = begin();
-  var front = fetch(ray, index_ray, span.x);
+  var piece = line;
+  var leave = line.leave;
+  if (HAS_COVERS) { leave = min(leave, cover_at(at, 0u).t_world); }
+  var covers_taken = 1u;
+  var kept = kept_from(line.ray, line.enter, leave);
+  var face = face_at(line, kept);
+  piece.enter = kept.begin;
+  loop {
+    piece.leave = kept.end;
+    if (CUTS_AT_COVERS) {
+      // Slabs end at meshes that let light pass.
+      var cover = cover_at(at, covers_taken);
+      loop {
+        if (cover.t_world > piece.enter || piece.enter >= leave) { break; }
+        take_cover(&acc, cover);
+        covers_taken++;
+        cover = cover_at(at, covers_taken);
+      }
+      piece.leave = min(kept.end, cover.t_world);
+    }
+    if (piece.leave <= piece.enter || march_piece(piece, kept, face, &acc, samples, met)) { break; }
+    piece.enter = piece.leave;
+    if (HAS_CLIPS && piece.enter >= kept.end) {
+      kept = kept_from(line.ray, kept.end, leave);
+      face = face_at(line, kept);
+      piece.enter = kept.begin;
+    }
+  }
+  return covered(finish(acc), at, covers_taken);
+}
+
+// A mesh that lets light pass is a slab without length.
+fn take_cover(acc: ptr<function, Accumulated>, cover: Cover) {
+  var here: Sample;
+  here.t_world = cover.t_world;
+  take(acc, here, here, Slab(cover.rgb, 0.0, vec3f(0.0), 0.0, cover.alpha), cover.rgb, 0.0);
+}
+
+// The face of the clip at which what is kept begins.
+fn face_at(line: Line, kept: Kept) -> Face {
+  if (!LIGHTS_FACES) { return Face(); }
+  return face_of(kept.near, sample_of(line, fetch(line, kept.begin)), line.ray);
+}
+
+// The solid face of a clip, as a slab without length. Whether the ray ends there.
+fn take_cap(acc: ptr<function, Accumulated>, cut: Sample, clip: u32, ray: Ray) -> bool {
+  let cap = cap_of(clip, cut);
+  return cap.alpha > 0.0 && take(acc, cut, cut, cap, lit_cap(cap, clip, cut, ray), 0.0);
+}
+
+// Slabs of a piece of a ray, all of it or a part of what clips keep. Whether the ray ends there.
+fn march_piece(
+  line: Line, kept: Kept, face: Face, acc: ptr<function, Accumulated>, samples: ptr<function, f32>, met: ptr<function, Met>,
+) -> bool {
+  var walk = begin_walk(line);
+  if (DRAWS_CAPS && line.enter <= kept.begin && take_cap(acc, sample_of(line, walk.front), kept.near, line.ray)) { return true; }
   // What is known of a sample is kept: the back of a slab is the front of the next.
   var front_known: Known;
-  if (CLASSIFIES) { front_known = know(front); }
+  if (CLASSIFIES) { front_known = know(sample_of(line, walk.front)); }
   var front_light: LitEnd;
   var front_is_lit = false;
-  var k = floor(span.x / h - offset) + 1.0;
-  *samples = 1.0;
-  // Where values are put right for curvature: the last sample as it was, and the one ahead.
-  var before = front;
-  var ahead: Sample;
-  if (CURVED) { ahead = fetch(ray, index_ray, min((k + offset) * h, span.y)); }
-  // Where surfaces are looked for: the block of voxels that the ray is in, and the piece of it that comes next.
-  var way: Way;
-  var piece = 1.0;
-  if (SURFACES_ONLY && BLOCKS) { way = way_from(index_ray.origin_index, index_ray.direction_index, span.x); }
   var ended = false;
+  var stops = false;
   loop {
-    // Walk on to the next slab that matters. A loop of its own: wide processors run the rest for all rays at once.
-    var next: Sample;
-    var walks = false;
-    var passes_hidden = false;
-    loop {
-      // Pass over blocks in which there is no surface.
-      var leaves = false;
-      if (SURFACES_ONLY && BLOCKS && leap_of(way.block) > 0.0) {
-        way = leapt(way, span.y);
-        piece = 1.0;
-        if (way.begin < span.y) { front = fetch(ray, index_ray, way.begin); }
-        k = floor(min(way.begin, span.y) / h - offset) + 1.0;
-        *samples += 1.0;
-      }
-      loop {
-        if (CURVED) {
-          next = ahead;
-          ahead = fetch(ray, index_ray, min((k + 1.0 + offset) * h, span.y));
-          let value = curved_value(before, next, ahead);
-          before = next;
-          next.value = value;
-          k += 1.0;
-        } else if (SURFACES_ONLY && BLOCKS) {
-          // Samples lie on the lattice, where the ray enters and leaves a block, and between.
-          let on_lattice = (k + offset) * h;
-          let in_block = mix(way.begin, way.end, piece / PIECES);
-          next = fetch(ray, index_ray, min(min(on_lattice, in_block), span.y));
-          k += f32(on_lattice <= in_block);
-          piece += f32(in_block <= on_lattice);
-          if (piece > PIECES) {
-            way = step_on(way, 1.0);
-            piece = 1.0;
-            leaves = leap_of(way.block) > 0.0;
-          }
-        } else {
-          next = fetch(ray, index_ray, min((k + offset) * h, span.y));
-          k += 1.0;
-        }
-        *samples += 1.0;
-        if (next.t_world >= span.y || !is_idle(front, next) || leaves) { break; }
-        front = next;
-        walks = true;
-        passes_hidden = false;
-      }
-      if (SURFACES_ONLY && leaves && next.t_world < span.y && is_idle(front, next)) {
-        front = next;
-        continue;
-      }
-      if (next.t_world >= span.y || !SKIPS_EMPTY || !hidden_at(mix(front.p_index, next.p_index, 0.5))) { break; }
-      front = next;
-      passes_hidden = true;
-    }
-    if (CLASSIFIES && SKIPS_EMPTY && walks) { front_known = know_empty(front); }
-    if (CLASSIFIES && passes_hidden) { front_known = know(front); }
-    front_is_lit = front_is_lit && !walks && !passes_hidden;
+    walk_on(&walk, line);
+    var front = sample_of(line, walk.front);
+    let next = sample_of(line, walk.next);
+    if (CLASSIFIES && SKIPS_EMPTY && walk.idled) { front_known = know_empty(front); }
+    if (CLASSIFIES && walk.hid) { front_known = know(front); }
+    front_is_lit = front_is_lit && !walk.idled && !walk.hid;
     var back = next;
     var length = max(next.t_world - front.t_world, 0.0);
     if (HAS_EMPTY) {
       // Where one end is empty, half of the slab is there, with the sample of the other end.
       let gaps = vec2<bool>(is_gap(front.value), is_gap(next.value));
       if (all(gaps)) {
-        ended = next.t_world >= span.y;
+        ended = next.t_world >= line.leave;
         if (ended) { break; }
-        front = next;
+        walk.front = walk.next;
         front_is_lit = false;
         continue;
       }
@@ -144,8 +175,9 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>, met: ptr<function, 
     }
     let shown = shown_surface(front, back);
     if (shown.x <= 1.0) {
-      *met = take_surface(&acc, ray, index_ray, front, back, shown);
+      *met = take_surface(acc, line, front, back, shown, kept, face);
       ended = true;
+      stops = true;
       break;
     }
     var slab = NO_SLAB;
@@ -154,51 +186,76 @@ fn march(ray: Ray, offset: f32, samples: ptr<function, f32>, met: ptr<function, 
       let back_known = know(back);
       // Extinction times opacity is a length times opacity.
       let part = part_at(mix(front.p_index, back.p_index, 0.5));
-      let thinned = length * part.opacity * weight(front, back, length);
-      slab = tinted(classify_known(front, front_known, back, back_known, thinned), part.rgb);
-      front_known = back_known;
-      let shines = slab.alpha > 0.0 || any(slab.front_rgb + slab.back_rgb > vec3f(0.0));
-      if (shines && !LIGHTS_ENDS) { lit_rgb = light_slab(front, back, slab, ray); }
-      if (shines && LIGHTS_ENDS) {
-        // The front, where it is not known how it is lit, then the back: a loop, since wide processors run both sides of an `if`.
-        var end = select_sample(front, back, front_is_lit);
-        var end_light: LitEnd;
+      let thinning = part.opacity * weight(front, back, length);
+      if (HAS_CROSSINGS) {
+        // Surfaces cut the slab, the nearest first: the piece before one, then the surface. What is left is a slab as ever.
+        // They are told by what the field has at the ends, also where values are put right for curvature; none in a gap.
+        // Where the field turns between them it is met twice: there the slab has two legs.
+        let ends = ends_of(walk);
+        var leg = sample_of(line, ends.front);
+        let last = sample_of(line, ends.back);
+        let is_cut = !HAS_EMPTY || !(is_gap(leg.value) || is_gap(last.value));
+        var goal = select_sample(leg, last, is_cut);
+        let turn = turn_of(scalar_of(leg.value), scalar_of(last.value), scalar_of(front.value), scalar_of(back.value));
+        var turns = is_cut && turn > 0.0 && turn < 1.0;
         loop {
-          end_light = know_light(end, ray);
-          if (front_is_lit) { break; }
-          front_light = end_light;
-          front_is_lit = true;
-          end = back;
+          if (!turns) { break; }
+          // Where nothing was moved past a surface, slabs may have been passed over: then never.
+          turns = next_crossing(leg, front, 0u).share <= 1.0 || next_crossing(last, back, 0u).share <= 1.0;
+          if (turns) { goal = sample_of(line, fetch(line, mix(leg.t_world, last.t_world, turn))); }
+          break;
         }
-        lit_rgb = light_known(front, front_light, back, end_light, slab, ray);
-        front_light = end_light;
+        var near = leg;
+        var passed = 0u;
+        loop {
+          let sheet = next_crossing(leg, goal, passed);
+          if (sheet.share > 1.0) {
+            if (!turns) { break; }
+            turns = false;
+            leg = goal;
+            near = goal;
+            goal = last;
+            passed = 0u;
+            continue;
+          }
+          let hit = hit_of(sheet, line, leg, near, goal);
+          length = max(hit.t_world - front.t_world, 0.0);
+          slab = tinted(classify_known(front, front_known, hit, know_crossing(sheet, hit, false), length * thinning), part.rgb);
+          lit_rgb = lit_slab(front, hit, slab, line.ray, &front_light, &front_is_lit);
+          if (LIGHTS_FACES) { lit_rgb = lit_behind(face, slab, front, hit, lit_rgb); }
+          ended = take(acc, front, hit, slab, lit_rgb, length);
+          let alpha = 1.0 - thicker(1.0 - sheet.alpha, thinning);
+          slab = Slab(alpha * sheet.rgb * part.rgb, alpha, vec3f(0.0), 0.0, alpha);
+          lit_rgb = lit_hit(hit, slab, line.ray, &front_light);
+          front_is_lit = true;
+          ended = ended || take(acc, hit, hit, slab, lit_rgb, 0.0);
+          stops = ended;
+          if (ended) { break; }
+          front = hit;
+          near = hit;
+          front_known = know_crossing(sheet, hit, true);
+          length = max(back.t_world - front.t_world, 0.0);
+          passed++;
+        }
+        if (ended) { break; }
       }
-      front_is_lit = shines;
+      slab = tinted(classify_known(front, front_known, back, back_known, length * thinning), part.rgb);
+      front_known = back_known;
+      lit_rgb = lit_slab(front, back, slab, line.ray, &front_light, &front_is_lit);
+      if (LIGHTS_FACES) { lit_rgb = lit_behind(face, slab, front, back, lit_rgb); }
     }
-    ended = take(&acc, front, back, slab, lit_rgb, length) || next.t_world >= span.y;
+    stops = take(acc, front, back, slab, lit_rgb, length);
+    ended = stops || next.t_world >= line.leave;
     if (ended) { break; }
-    front = next;
+    walk.front = walk.next;
   }
+  *samples += walk.samples;
   // A driver may end a loop after a number of turns of its own: the host must know.
   if (!ended) { *samples = -*samples; }
-  return finish(acc);
-}
-
-// Whether a slab leaves the result as it is, told from its two samples alone.
-fn is_idle(front: Sample, next: Sample) -> bool {
-  if (SURFACES_ONLY) { return surface(front, next) > 1.0; }
-  return SKIPS_EMPTY && empty_slab(front, next);
-}
-
-// The next block in which there may be a surface.
-fn leapt(start: Way, t_leave: f32) -> Way {
-  var way = start;
-  loop {
-    let reach = leap_of(way.block);
-    if (reach == 0.0 || way.begin >= t_leave) { break; }
-    way = step_on(way, reach);
+  if (DRAWS_CAPS && ended && !stops && line.leave >= kept.end) {
+    stops = take_cap(acc, sample_of(line, fetch(line, line.leave)), kept.far, line.ray);
   }
-  return way;
+  return stops || !ended;
 }
 
 // The surface within a slab, where at least half of its region is drawn: opacity runs straight from end to end. The share at which
@@ -224,8 +281,8 @@ const NO_SLAB = Slab(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0);
 
 // A surface inside a slab: the sample there, as a slab without length.
 fn take_surface(
-  acc: ptr<function, Accumulated>, ray: Ray, index_ray: IndexRay, front: Sample, back: Sample, shown: vec2f,
-) -> vec2f {
+  acc: ptr<function, Accumulated>, line: Line, front: Sample, back: Sample, shown: vec2f, kept: Kept, face: Face,
+) -> Met {
   let share = shown.x;
   var t_world = mix(front.t_world, back.t_world, share);
   // What a ray begins in, and what a region's border uncovers, lies where it lies.
@@ -233,66 +290,75 @@ fn take_surface(
   if (refines) {
     let near = vec2f(front.t_world, scalar_of(front.value));
     let far = vec2f(back.t_world, scalar_of(back.value));
-    t_world = refined(index_ray.origin_index, index_ray.direction_index, near, far, level(front, back));
+    t_world = refined(line.index.origin, line.index.direction, near, far, level(front, back));
   }
-  var hit = fetch(ray, index_ray, t_world);
+  var hit = sample_of(line, fetch(line, t_world));
   if (refines) {
     hit.value = with_scalar(hit.value, level(front, back));
   } else {
     hit.value = mix_values(front.value, back.value, share);
   }
   var rgb = medium(hit).rgb;
-  if (share > 0.0) { rgb = surface_rgb(front, back, rgb); }
+  if (share > 0.0) { rgb = surface_rgb(hit, front, back, rgb); }
   rgb *= part_at(hit.p_index).rgb;
   let slab = Slab(rgb, 1.0, vec3f(0.0), 0.0, 1.0);
-  take(acc, hit, hit, slab, lit_hit(hit, slab, ray), 0.0);
+  var light: LitEnd;
+  var lit_rgb = lit_hit(hit, slab, line.ray, &light);
+  if (LIGHTS_FACES) { lit_rgb = lit_behind(face, slab, hit, hit, lit_rgb); }
+  take(acc, hit, hit, slab, lit_rgb, 0.0);
   let side = select(2.0, 1.0, scalar_of(back.value) > scalar_of(front.value));
-  return vec2f(scalar_of(hit.value), select(side, 3.0, share <= 0.0));
+  let is_cut = share <= 0.0 && t_world <= kept.begin;
+  return Met(scalar_of(hit.value), select(side, 3.0, share <= 0.0), select(0u, kept.near, is_cut));
 }
 
-fn lit_hit(hit: Sample, slab: Slab, ray: Ray) -> vec3f {
+// The share of a slab at which the parabola through its ends turns that curvature has moved by a sixth of their distance from the
+// lines between their neighbours; outside of 0 to 1 where it does not.
+fn turn_of(front: f32, back: f32, moved_front: f32, moved_back: f32) -> f32 {
+  let bend = 6.0 * (moved_front - front + moved_back - back);
+  if (!CURVED || bend == 0.0) { return 2.0; }
+  return 0.5 + (back - front) / bend;
+}
+
+// Where a slab meets a surface of the transfer function; `front` is the surface before it, or the front of the whole slab.
+fn hit_of(sheet: Sheet, line: Line, whole: Sample, front: Sample, back: Sample) -> Sample {
+  var t_world = mix(whole.t_world, back.t_world, sheet.share);
+  if (REFINE > 0u) {
+    let near = vec2f(front.t_world, scalar_of(front.value));
+    let far = vec2f(back.t_world, scalar_of(back.value));
+    t_world = refined(line.index.origin, line.index.direction, near, far, sheet.level);
+  }
+  var hit = sample_of(line, fetch(line, t_world));
+  hit.value = with_scalar(hit.value, sheet.level);
+  return hit;
+}
+
+// Light of a slab. How its ends are lit is kept where lighting asks for it: the back is the front of the next.
+fn lit_slab(
+  front: Sample, back: Sample, slab: Slab, ray: Ray, front_light: ptr<function, LitEnd>, front_is_lit: ptr<function, bool>,
+) -> vec3f {
+  let shines = slab.alpha > 0.0 || any(slab.front_rgb + slab.back_rgb > vec3f(0.0));
+  var lit_rgb = vec3f(0.0);
+  if (shines && !LIGHTS_ENDS) { lit_rgb = light_slab(front, back, slab, ray); }
+  if (shines && LIGHTS_ENDS) {
+    // The front, where it is not known how it is lit, then the back: a loop, since wide processors run both sides of an `if`.
+    var end = select_sample(front, back, *front_is_lit);
+    var end_light: LitEnd;
+    loop {
+      end_light = know_light(end, ray);
+      if (*front_is_lit) { break; }
+      *front_light = end_light;
+      *front_is_lit = true;
+      end = back;
+    }
+    lit_rgb = light_known(front, *front_light, back, end_light, slab, ray);
+    *front_light = end_light;
+  }
+  *front_is_lit = shines;
+  return lit_rgb;
+}
+
+fn lit_hit(hit: Sample, slab: Slab, ray: Ray, light: ptr<function, LitEnd>) -> vec3f {
   if (!LIGHTS_ENDS) { return light_slab(hit, hit, slab, ray); }
-  let light = know_light(hit, ray);
-  return light_known(hit, light, hit, light, slab, ray);
-}
-
-// The same ray in index coordinates, still measured in world units.
-struct IndexRay { origin_index: vec3f, direction_index: vec3f }
-
-fn ray_in_index(ray: Ray) -> IndexRay {
-  return IndexRay(
-    (layer.index_from_world * vec4f(ray.origin_world, 1.0)).xyz,
-    (layer.index_from_world * vec4f(ray.direction_world, 0.0)).xyz,
-  );
-}
-
-fn fetch(ray: Ray, index_ray: IndexRay, t_world: f32) -> Sample {
-  let p_world = ray.origin_world + t_world * ray.direction_world;
-  let p_index = index_ray.origin_index + t_world * index_ray.direction_index;
-  return Sample(field_value(locate(p_index)), vec3f(0.0), p_index, p_world, t_world);
-}
-
-// Where the ray enters and leaves the domain, not before the eye [world].
-fn domain_span(ray: IndexRay) -> vec2f {
-  let origin = ray.origin_index;
-  let direction = ray.direction_index;
-  // A ray along a face has no direction across it: it is outside, or it is held by the other faces.
-  let across = abs(direction) <= vec3f(1e-7 * max(abs(direction.x), max(abs(direction.y), abs(direction.z))));
-  let outside = across & ((origin < layer.domain_low) | (origin > layer.domain_high));
-  if (any(outside)) { return vec2f(0.0); }
-  let rate = select(direction, vec3f(1.0), across);
-  let a = select((layer.domain_low - origin) / rate, vec3f(-INFINITE), across);
-  let b = select((layer.domain_high - origin) / rate, vec3f(INFINITE), across);
-  let near = min(a, b);
-  let far = max(a, b);
-  return vec2f(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
-}
-
-// Shift of the lattice of samples, as a share of a step: sixteen of them over squares of 4 x 4 pixels (Scharsach, section 5).
-fn offset_of(pixel: vec2u) -> f32 {
-  if (OFFSETS == 0u) { return 0.0; }
-  let fine = pixel & vec2u(1u);
-  let coarse = (pixel >> vec2u(1u)) & vec2u(1u);
-  let rank = 4u * (2u * (fine.x ^ fine.y) + fine.y) + 2u * (coarse.x ^ coarse.y) + coarse.y;
-  return f32(rank) / 16.0;
+  *light = know_light(hit, ray);
+  return light_known(hit, *light, hit, *light, slab, ray);
 }

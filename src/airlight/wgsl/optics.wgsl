@@ -61,3 +61,8 @@ fn placed(piece: Slab, begin: f32, end: f32) -> Slab {
     piece.alpha,
   );
 }
+
+// What gets through when the thickness is multiplied. What is opaque stays so.
+fn thicker(through: f32, thickness: f32) -> f32 {
+  return select(select(pow(through, thickness), 1.0, thickness <= 0.0), through, thickness == 1.0);
+}

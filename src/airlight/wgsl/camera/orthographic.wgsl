@@ -8,3 +8,11 @@ fn eye_ray(p_px: vec2f) -> Ray {
   let aside = vec2f(2.0, -2.0) * p_px / vec2f(frame.size_px) + vec2f(-1.0, 1.0);
   return Ray(params.eye + aside.x * params.right + aside.y * params.up, params.forward);
 }
+
+// Where a point is seen, for rasterisers: depth falls from 1 at the eye's plane to 0.
+fn clip_place(p_world: vec3f, near_world: f32, far_world: f32) -> vec4f {
+  let way = p_world - params.eye;
+  let right = params.right / dot(params.right, params.right);
+  let up = params.up / dot(params.up, params.up);
+  return vec4f(dot(way, right), dot(way, up), 1.0 - dot(way, params.forward) / far_world, 1.0);
+}

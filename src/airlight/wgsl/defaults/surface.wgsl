@@ -6,4 +6,4 @@ fn surface(front: Sample, back: Sample) -> f32 { return 2.0; }
 
 fn level(front: Sample, back: Sample) -> f32 { return 0.0; }
 
-fn surface_rgb(front: Sample, back: Sample, rgb: vec3f) -> vec3f { return rgb; }
+fn surface_rgb(hit: Sample, front: Sample, back: Sample, rgb: vec3f) -> vec3f { return rgb; }

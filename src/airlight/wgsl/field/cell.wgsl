@@ -1,26 +1,57 @@
-// The derivative of trilinear interpolation within the cell of a place, or the cell below it on the upper faces of the grid.
+// The cell of eight voxels round a place, or the cell below it on the upper faces of the grid: what trilinear interpolation takes.
 
-import generated::field::grid;
 import generated::layer::layer;
+import slot::taps::{PARTS, Tap, slope_of_sum, tap};
 
-// [texel/voxel]
-fn cell_derivative(p_index: vec3f) -> vec3f {
+struct Corners { low: vec3i, high: vec3i, share: vec3f }
+
+fn corners_at(p_index: vec3f) -> Corners {
   let last = layer.size - 1.0;
   let p = clamp(p_index, vec3f(0.0), last);
   let low = min(floor(p), max(last - 1.0, vec3f(0.0)));
-  let w = p - low;
-  let a = vec3i(low);
-  let b = vec3i(min(low + 1.0, last));
-  // Slopes along x on four edges, and the values of four points from which those along y and z follow.
-  let low_x = vec4f(texel(a.x, a.y, a.z), texel(a.x, b.y, a.z), texel(a.x, a.y, b.z), texel(a.x, b.y, b.z));
-  let high_x = vec4f(texel(b.x, a.y, a.z), texel(b.x, b.y, a.z), texel(b.x, a.y, b.z), texel(b.x, b.y, b.z));
-  let slope = high_x - low_x;
-  let value = mix(low_x, high_x, w.x);
-  return vec3f(
-    mix(mix(slope.x, slope.y, w.y), mix(slope.z, slope.w, w.y), w.z),
-    mix(value.y - value.x, value.w - value.z, w.z),
-    mix(value.z - value.x, value.w - value.y, w.y),
-  );
+  return Corners(vec3i(low), vec3i(min(low + 1.0, last)), p - low);
 }
 
-fn texel(x: i32, y: i32, z: i32) -> f32 { return textureLoad(grid, vec3i(x, y, z), 0).r; }
+fn cell_sum(corners: Corners, part: u32) -> Tap {
+  let a = corners.low;
+  let b = corners.high;
+  let x00 = mixed_taps(tap(vec3i(a.x, a.y, a.z), part), tap(vec3i(b.x, a.y, a.z), part), corners.share.x);
+  let x10 = mixed_taps(tap(vec3i(a.x, b.y, a.z), part), tap(vec3i(b.x, b.y, a.z), part), corners.share.x);
+  let x01 = mixed_taps(tap(vec3i(a.x, a.y, b.z), part), tap(vec3i(b.x, a.y, b.z), part), corners.share.x);
+  let x11 = mixed_taps(tap(vec3i(a.x, b.y, b.z), part), tap(vec3i(b.x, b.y, b.z), part), corners.share.x);
+  return mixed_taps(mixed_taps(x00, x10, corners.share.y), mixed_taps(x01, x11, corners.share.y), corners.share.z);
+}
+
+// The derivative of trilinear interpolation [data/voxel].
+fn cell_derivative(p_index: vec3f) -> vec3f {
+  let corners = corners_at(p_index);
+  let a = corners.low;
+  let b = corners.high;
+  var found = vec3f(0.0);
+  for (var part = 0u; part < PARTS; part++) {
+    // The eight voxels: low or high along x, y and z.
+    let lll = tap(vec3i(a.x, a.y, a.z), part);
+    let hll = tap(vec3i(b.x, a.y, a.z), part);
+    let lhl = tap(vec3i(a.x, b.y, a.z), part);
+    let hhl = tap(vec3i(b.x, b.y, a.z), part);
+    let llh = tap(vec3i(a.x, a.y, b.z), part);
+    let hlh = tap(vec3i(b.x, a.y, b.z), part);
+    let lhh = tap(vec3i(a.x, b.y, b.z), part);
+    let hhh = tap(vec3i(b.x, b.y, b.z), part);
+    // What is between along x, on the four edges.
+    let ll = mixed_taps(lll, hll, corners.share.x);
+    let hl = mixed_taps(lhl, hhl, corners.share.x);
+    let lh = mixed_taps(llh, hlh, corners.share.x);
+    let hh = mixed_taps(lhh, hhh, corners.share.x);
+    let low_x = mixed_taps(hll - lll, hhl - lhl, corners.share.y);
+    let high_x = mixed_taps(hlh - llh, hhh - lhh, corners.share.y);
+    let along_x = mixed_taps(low_x, high_x, corners.share.z);
+    let along_y = mixed_taps(hl - ll, hh - lh, corners.share.z);
+    let along_z = mixed_taps(lh - ll, hh - hl, corners.share.y);
+    let sum = mixed_taps(mixed_taps(ll, hl, corners.share.y), mixed_taps(lh, hh, corners.share.y), corners.share.z);
+    found += vec3f(slope_of_sum(sum, along_x, part), slope_of_sum(sum, along_y, part), slope_of_sum(sum, along_z, part));
+  }
+  return found;
+}
+
+fn mixed_taps(a: Tap, b: Tap, share: f32) -> Tap { return a * (1.0 - share) + b * share; }

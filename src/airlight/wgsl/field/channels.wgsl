@@ -9,6 +9,9 @@ import slot::values::is_gap;
 // Slice of the texture in which a group of channels begins.
 fn first_slice(group: u32) -> f32 { return params.stacked[group] * layer.size.z; }
 
+// Where a voxel of a group lies in the texture.
+fn slice_of(voxel: vec3i, group: u32) -> vec3i { return vec3i(voxel.xy, voxel.z + i32(first_slice(group))); }
+
 // The number of which gradients are taken: a weighted sum of the channels, each held within the values that matter.
 fn weighted_sum(values: Values) -> f32 {
   var sum = 0.0;
@@ -19,4 +22,10 @@ fn weighted_sum(values: Values) -> f32 {
   }
   if (HAS_EMPTY && is_gap(values)) { return EMPTY; }
   return sum;
+}
+
+// What a group adds to the derivative of that number: channels that are held do not change it.
+fn weighted_slope(value: vec4f, change: vec4f, group: u32) -> f32 {
+  let moves = (value >= params.low[group]) & (value <= params.high[group]);
+  return dot(params.weight[group], select(vec4f(0.0), change, moves));
 }

@@ -15,6 +15,6 @@ fn field_value(place: Place) -> Values {
   return textureSampleLevel(grid, grid_sampler, p_unit, 0.0).r * layer.value_scale + layer.value_offset;
 }
 
-fn field_derivative(place: Place) -> vec3f { return cell_derivative(place.p_index) * layer.value_scale; }
+fn field_derivative(place: Place) -> vec3f { return cell_derivative(place.p_index); }
 
 fn extent(place: Place, direction: vec3f) -> f32 { return INFINITE; }

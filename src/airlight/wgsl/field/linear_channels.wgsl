@@ -3,6 +3,7 @@
 import generated::field::{grid, grid_sampler, params};
 import generated::layer::layer;
 import generated::sizes::{Values, GROUPS};
+import package::field::cell::cell_derivative;
 import package::field::channels::{first_slice, weighted_sum};
 import package::ray::INFINITE;
 
@@ -23,5 +24,7 @@ fn field_value(place: Place) -> Values {
 }
 
 fn field_scalar(place: Place) -> f32 { return weighted_sum(field_value(place)); }
+
+fn field_derivative(place: Place) -> vec3f { return cell_derivative(place.p_index); }
 
 fn extent(place: Place, direction: vec3f) -> f32 { return INFINITE; }

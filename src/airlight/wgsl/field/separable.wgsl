@@ -2,11 +2,11 @@
 // their weights, then the derivatives of these. Beyond the faces of the grid voxels go on as the outer ones.
 // Voxels are taken eight at a time, two along each axis: some drivers bound the turns of all loops together.
 
-import generated::field::{grid, params, weights};
-import generated::layer::layer;
+import generated::field::{params, weights};
 import generated::sizes::Values;
-import package::field::around::{Around, around};
+import package::field::around::{Around, around, tap_at};
 import package::ray::INFINITE;
+import slot::taps::{PARTS, Tap, keep_sum, scalar_in, slope_of_sum};
 
 struct Place { p_index: vec3f }
 
@@ -14,39 +14,52 @@ fn locate(p_index: vec3f) -> Place { return Place(p_index); }
 
 fn field_value(place: Place) -> Values {
   let here = around(place.p_index, i32(params.pairs));
-  var sum = 0.0;
-  for (var k = 0u; k < params.pairs; k++) {
-    let z = pair(here.share.z, k).xy;
-    for (var j = 0u; j < params.pairs; j++) {
-      let y = pair(here.share.y, j).xy;
-      for (var i = 0u; i < params.pairs; i++) {
-        let rows = four_rows(here, vec3u(i, j, k)) * pair(here.share.x, i).xy;
-        sum += dot(z, vec2f(dot(rows.xy, y), dot(rows.zw, y)));
+  var values: Values;
+  for (var part = 0u; part < PARTS; part++) {
+    var sum = Tap();
+    for (var k = 0u; k < params.pairs; k++) {
+      let z = pair(here.share.z, k);
+      for (var j = 0u; j < params.pairs; j++) {
+        let y = pair(here.share.y, j);
+        for (var i = 0u; i < params.pairs; i++) {
+          let voxels = eight(here, vec3u(i, j, k), part);
+          sum += across(along(voxels, pair(here.share.x, i).xy), y.xy, z.xy);
+        }
       }
     }
+    keep_sum(sum, part, &values);
   }
-  return sum * layer.value_scale + layer.value_offset;
+  return values;
 }
+
+fn field_scalar(place: Place) -> f32 { return scalar_in(field_value(place)); }
 
 fn field_derivative(place: Place) -> vec3f {
   let here = around(place.p_index, i32(params.pairs));
-  var sum = vec3f(0.0);
-  for (var k = 0u; k < params.pairs; k++) {
-    let z = pair(here.share.z, k);
-    for (var j = 0u; j < params.pairs; j++) {
-      let y = pair(here.share.y, j);
-      for (var i = 0u; i < params.pairs; i++) {
-        let x = pair(here.share.x, i);
-        let voxels = four_rows(here, vec3u(i, j, k));
-        let along = voxels * x.xy;
-        let slope = voxels * x.zw;
-        sum.x += dot(z.xy, vec2f(dot(slope.xy, y.xy), dot(slope.zw, y.xy)));
-        sum.y += dot(z.xy, vec2f(dot(along.xy, y.zw), dot(along.zw, y.zw)));
-        sum.z += dot(z.zw, vec2f(dot(along.xy, y.xy), dot(along.zw, y.xy)));
+  var found = vec3f(0.0);
+  for (var part = 0u; part < PARTS; part++) {
+    var sum = Tap();
+    var along_x = Tap();
+    var along_y = Tap();
+    var along_z = Tap();
+    for (var k = 0u; k < params.pairs; k++) {
+      let z = pair(here.share.z, k);
+      for (var j = 0u; j < params.pairs; j++) {
+        let y = pair(here.share.y, j);
+        for (var i = 0u; i < params.pairs; i++) {
+          let x = pair(here.share.x, i);
+          let voxels = eight(here, vec3u(i, j, k), part);
+          let rows = along(voxels, x.xy);
+          sum += across(rows, y.xy, z.xy);
+          along_x += across(along(voxels, x.zw), y.xy, z.xy);
+          along_y += across(rows, y.zw, z.xy);
+          along_z += across(rows, y.xy, z.zw);
+        }
       }
     }
+    found += vec3f(slope_of_sum(sum, along_x, part), slope_of_sum(sum, along_y, part), slope_of_sum(sum, along_z, part));
   }
-  return sum * layer.value_scale;
+  return found;
 }
 
 // Weights and derivatives of two voxels along an axis.
@@ -58,18 +71,30 @@ fn pair(share: f32, number: u32) -> vec4f {
   return mix(textureLoad(weights, at, 0), textureLoad(weights, at + vec3u(1u, 0u, 0u), 0), place - f32(low));
 }
 
-// Texels of two voxels along x, one to a column, in four rows: two along y, then those of the next slice.
-fn four_rows(here: Around, pairs: vec3u) -> mat2x4f {
-  let at = here.first + 2 * vec3i(pairs);
-  return mat2x4f(column(here, at), column(here, at + vec3i(1, 0, 0)));
+// Two voxels along x in four rows: two along y, then those of the next slice.
+struct Rows { a: Tap, b: Tap, c: Tap, d: Tap }
+struct Eight { left: Rows, right: Rows }
+
+fn eight(here: Around, pairs: vec3u, part: u32) -> Eight {
+  let at = 2 * vec3i(pairs);
+  return Eight(rows_at(here, at, part), rows_at(here, at + vec3i(1, 0, 0), part));
 }
 
-fn column(here: Around, at: vec3i) -> vec4f {
-  return vec4f(
-    texel(here, at), texel(here, at + vec3i(0, 1, 0)), texel(here, at + vec3i(0, 0, 1)), texel(here, at + vec3i(0, 1, 1)),
+fn rows_at(here: Around, at: vec3i, part: u32) -> Rows {
+  return Rows(
+    tap_at(here, at, part), tap_at(here, at + vec3i(0, 1, 0), part),
+    tap_at(here, at + vec3i(0, 0, 1), part), tap_at(here, at + vec3i(0, 1, 1), part),
   );
 }
 
-fn texel(here: Around, voxel: vec3i) -> f32 { return textureLoad(grid, clamp(voxel, vec3i(0), here.last), 0).r; }
+fn along(voxels: Eight, x: vec2f) -> Rows {
+  let l = voxels.left;
+  let r = voxels.right;
+  return Rows(l.a * x.x + r.a * x.y, l.b * x.x + r.b * x.y, l.c * x.x + r.c * x.y, l.d * x.x + r.d * x.y);
+}
+
+fn across(rows: Rows, y: vec2f, z: vec2f) -> Tap {
+  return (rows.a * y.x + rows.b * y.y) * z.x + (rows.c * y.x + rows.d * y.y) * z.y;
+}
 
 fn extent(place: Place, direction: vec3f) -> f32 { return INFINITE; }

@@ -1,8 +1,11 @@
 // The front surface at a value: opaque and lit.
 
-import generated::first_hit::{params, SIDE};
+import generated::frame::frame;
+import generated::first_hit::{params, colours, colours_sampler, COLOUR_BY, SIDE};
+import package::gradient::curvature::curvatures;
 import package::ray::INFINITE;
 import package::sample::{Sample, Slab, Result};
+import slot::lookup::table_at;
 import slot::values::scalar_of;
 
 struct Accumulated { rgb: vec3f, t_world: f32 }
@@ -25,10 +28,32 @@ fn surface(front: Sample, back: Sample) -> f32 {
 
 fn level(front: Sample, back: Sample) -> f32 { return params.iso; }
 
-// Surfaces of the function have a colour for each side.
-fn surface_rgb(front: Sample, back: Sample, rgb: vec3f) -> vec3f {
+const MEAN_CURVATURE = 1u;
+const GAUSSIAN_CURVATURE = 2u;
+const GREATEST_CURVATURE = 3u;
+const DISTANCE = 5u;
+
+// Surfaces of the function have a colour for each side, unless it is what they are like that is shown.
+fn surface_rgb(hit: Sample, front: Sample, back: Sample, rgb: vec3f) -> vec3f {
+  if (COLOUR_BY > 0u) {
+    let entries = f32(textureDimensions(colours).x);
+    let place = saturate((shown_number(hit) - params.low) * params.per_number);
+    return table_at(colours, colours_sampler, vec3f((place * (entries - 1.0) + 0.5) / entries, 0.5, 0.5)).rgb;
+  }
   if (params.coloured == 0u) { return rgb; }
   return select(params.back_rgb, params.front_rgb, scalar_of(back.value) > scalar_of(front.value));
+}
+
+fn shown_number(hit: Sample) -> f32 {
+  if (COLOUR_BY == DISTANCE) {
+    let way = params.world_from_index * (hit.p_index - params.point_index);
+    let from_point = select(dot(way, params.normal), length(way), all(params.normal == vec3f(0.0)));
+    return select(from_point, hit.t_world + frame.t_offset_world, params.from_eye > 0u);
+  }
+  let bends = curvatures(hit.p_index);
+  if (COLOUR_BY == MEAN_CURVATURE) { return 0.5 * (bends.x + bends.y); }
+  if (COLOUR_BY == GAUSSIAN_CURVATURE) { return bends.x * bends.y; }
+  return select(bends.y, bends.x, COLOUR_BY == GREATEST_CURVATURE);
 }
 
 fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab, lit_rgb: vec3f, length: f32) -> bool {

@@ -11,6 +11,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
   if (id.x >= frame.size_px.x || id.y >= frame.band_rows) { return; }
   let at = id.y * frame.size_px.x + id.x;
   let pixel = radiance[at];
-  let seen = behind(eye_ray(vec2f(id.xy) + vec2f(0.5, 0.5 + f32(frame.band_first_row))));
-  radiance[at] = vec4f(pixel.rgb + (1.0 - pixel.a) * seen, 1.0);
+  let ray = eye_ray(vec2f(id.xy) + vec2f(0.5, 0.5 + f32(frame.band_first_row)));
+  if (all(ray.direction_world == vec3f(0.0))) { return; }
+  radiance[at] = vec4f(pixel.rgb + (1.0 - pixel.a) * behind(ray), 1.0);
 }

@@ -7,6 +7,7 @@ import generated::occlusion::params as occlusion;
 import generated::pass::occluders_out;
 import generated::slice::params as slice;
 import package::sample::Sample;
+import slot::clips::is_kept;
 import slot::field::{locate, field_value};
 import slot::region::part_at;
 import slot::transfer::{know, classify_known};
@@ -35,7 +36,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 // Mean extinction [1/world] of the slabs from a voxel to the next along each axis; there is none where the voxel is empty.
 fn extinction_at(voxel: vec3u, size: vec3u) -> f32 {
   let front = sample_at(voxel);
-  if (is_gap(front.value)) { return 0.0; }
+  if (is_gap(front.value) || !is_kept(front.p_index)) { return 0.0; }
   let known = know(front);
   let shown = part_at(front.p_index).opacity;
   var sum = 0.0;

@@ -32,7 +32,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
   near.value = with_scalar(value, 0.0);
   far.value = with_scalar(value, select(1.0, -1.0, place.y == 2.0));
   var rgb = medium(here).rgb;
-  if (place.y < 3.0) { rgb = surface_rgb(near, far, rgb); }
+  if (place.y < 3.0) { rgb = surface_rgb(here, near, far, rgb); }
   let slab = Slab(rgb * part_at(p_index).rgb, 1.0, vec3f(0.0), 0.0, 1.0);
   let lit = lit_whole(slab, lit_by_gradient(here, ray));
   radiance[at] = select(vec4f(0.0), vec4f(tone(lit, p_px), 1.0), is_hit);

@@ -13,6 +13,8 @@ import package::transfer::kept::LEAST_MOVE;
 import package::transfer::stretch::{Stretch, Sent, nothing, joined};
 import package::transfer::stretch::{piece_at, first_piece, parts_of, part_of, extinction_at, mean_between};
 
+const FEW = 32u;
+
 // Workgroups run through the blocks first: a software adapter gives each core a run of neighbouring groups, and the first
 // threads of a diagonal have the most to do.
 @compute @workgroup_size(WORKGROUP_X, WORKGROUP_Y)
@@ -42,26 +44,38 @@ fn fill_block(m: u32, first: u32, desk: u32) {
   let middle = first_piece(next);
   let begin = first_piece(first);
   let end = first_piece(last + m);
+  // Parts are joined to a few others before they join all: a thousand small numbers are not rounded as one large one is.
   var stretch = nothing();
+  var few = nothing();
+  var count = 0u;
   var done = 0.0;
   for (var number = middle; number > begin;) {
     let piece = piece_at(number - 1u);
     let parts = parts_of(rate * piece.depth);
     done += 1.0;
-    stretch = joined(part_of(piece, parts - done, parts, rate), stretch);
+    few = joined(part_of(piece, parts - done, parts, rate), few);
+    let both = joined(few, stretch);
     if (done == parts) {
       number--;
       done = 0.0;
       let low = u32(max(piece.low_entry, 0));
-      if (low > first && low <= last) { keep(desk, low - first, stretch); }
+      if (low > first && low <= last) { keep(desk, low - first, both); }
+    }
+    count++;
+    if (count % FEW == 0u) {
+      stretch = both;
+      few = nothing();
     }
   }
-  finish(first, next, stretch);
+  finish(first, next, joined(few, stretch));
   stretch = nothing();
+  few = nothing();
+  count = 0u;
   for (var number = middle; number < end;) {
     let piece = piece_at(number);
     let parts = parts_of(rate * piece.depth);
-    stretch = joined(stretch, part_of(piece, done, parts, rate));
+    few = joined(few, part_of(piece, done, parts, rate));
+    let both = joined(stretch, few);
     done += 1.0;
     if (done == parts) {
       number++;
@@ -69,8 +83,13 @@ fn fill_block(m: u32, first: u32, desk: u32) {
       if (piece.high_entry >= 0) {
         let high = u32(piece.high_entry);
         let low = high - m;
-        finish(low, high, joined(kept(desk, low - first, f32(next - low)), stretch));
+        finish(low, high, joined(kept(desk, low - first, f32(next - low)), both));
       }
+    }
+    count++;
+    if (count % FEW == 0u) {
+      stretch = both;
+      few = nothing();
     }
   }
 }

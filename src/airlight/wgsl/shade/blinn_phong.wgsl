@@ -1,8 +1,8 @@
 // Ambient, diffuse and specular light at a normal.
 
 import generated::blinn_phong::params;
-import generated::frame::frame;
 import generated::lights::lights;
+import generated::sizes::LIGHTS;
 import package::lights::{arriving, surfaceness};
 import package::sample::{Sample, Lit};
 import slot::visibility::{visibility, ambient_visibility};
@@ -11,7 +11,7 @@ fn light(here: Sample, normal: vec3f, to_eye: vec3f) -> Lit {
   var lit = Lit(vec3f(params.ambient * ambient_visibility(here.p_world)), vec3f(0.0));
   let surface = surfaceness(here.gradient, params.per_threshold);
   if (surface <= 0.0) { return lit; }
-  for (var i = 0u; i < frame.light_count; i++) {
+  for (var i = 0u; i < LIGHTS; i++) {
     let from_light = arriving(lights[i], here.p_world, to_eye);
     let radiance = surface * from_light.rgb * visibility(i, here.p_world);
     let n_l = facing(dot(normal, from_light.to_light));

@@ -4,8 +4,9 @@ import package::optics::{over, placed};
 import package::sample::{Sample, Medium, Slab};
 import package::transfer::cells::Reached;
 import package::transfer::function::{function_at, is_empty_between, reach, reach_empty};
-import package::transfer::surfaces::{number_of, crossing_of, thickness_of};
-import package::transfer::surfaces_in_medium::{reach_surface, run_of, share_of_opacity};
+import package::transfer::iso_values::{number_of, reach_surface};
+import package::transfer::surfaces::{crossing_of, thickness_of};
+import package::transfer::surfaces_in_medium::{run_of, share_of_opacity};
 import slot::piece::between;
 import slot::values::scalar_of;
 

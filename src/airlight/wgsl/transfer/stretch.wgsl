@@ -4,6 +4,7 @@
 import generated::pass::segments;
 import generated::sizes::WEIGHTED;
 import generated::slab_table::params;
+import package::transfer::linear::sums_over;
 
 const ROWS_PER_ENTRY = 3u;
 const ROWS_PER_PIECE = 3u;
@@ -13,10 +14,6 @@ const ROWS_PER_PIECE = 3u;
 const PART_DEPTH = 4.5;
 const SEEN_PARTS = 3.0;
 const MOST_PARTS = 2.0 * SEEN_PARTS + 1.0;
-
-// Gauss' rule with eight nodes on [0, 1]: the lower half, the others are 1 - x.
-const NODES = vec4f(0.0198550718, 0.1016667613, 0.2372337950, 0.4082826788);
-const WEIGHTS = vec4f(0.0506142681, 0.1111905172, 0.1568533229, 0.1813418917);
 
 // What a stretch of values sends to one of its ends, and that weighted by how far from this end it comes, in segments. In the
 // fourth place is white light, that of a colour of one: opacity.
@@ -98,12 +95,11 @@ fn part_stretch(low: vec4f, high: vec4f, width: f32, rate: f32) -> Stretch {
   let rise = high - low;
   let depth = length * (low.a + 0.5 * rise.a);
   let through = exp(-depth);
-  let near = sums_at(NODES, low.a, rise.a, length, through);
-  let far = sums_at(1.0 - NODES, low.a, rise.a, length, through);
+  let sums = sums_over(low.a, rise.a, length, through, params.associated != 0u);
   // Where little is absorbed one minus what gets through has few digits.
-  let alpha = select(near.white + far.white, 1.0 - through, depth > 0.5);
-  var to_low = near.to_low + far.to_low;
-  var to_high = near.to_high + far.to_high;
+  let alpha = select(sums.white, 1.0 - through, depth > 0.5);
+  var to_low = sums.to_low;
+  var to_high = sums.to_high;
   if (params.associated == 0u) {
     to_low.x = alpha;
     to_high.x = alpha;
@@ -121,26 +117,4 @@ fn sent(rgb: vec3f, rise: vec3f, sums: vec4f, alpha: f32, width: f32) -> Sent {
   var both = Sent(vec4f(rgb * sums.x + rise * sums.y, alpha), vec4f(0.0));
   if (WEIGHTED) { both.moment = width * vec4f(rgb * sums.y + rise * sums.z, sums.w); }
   return both;
-}
-
-// Attenuated sums over a linear part: white light; and towards either end that of the source times 1, x and x^2, and of white
-// light times x, with x the share of the part's width from this end.
-struct Sums { white: f32, to_low: vec4f, to_high: vec4f }
-
-fn sums_at(x: vec4f, extinction_low: f32, rise: f32, length: f32, through: f32) -> Sums {
-  let extinction = extinction_low + x * rise;
-  let seen_low = exp(-length * x * (extinction_low + 0.5 * x * rise));
-  let seen_high = through / max(seen_low, vec4f(1e-37));
-  let weight = length * WEIGHTS;
-  let white = weight * extinction;
-  let source = select(white, weight, params.associated != 0u);
-  return Sums(
-    dot(white, seen_low),
-    sums_of(x, source * seen_low, white * seen_low),
-    sums_of(1.0 - x, source * seen_high, white * seen_high),
-  );
-}
-
-fn sums_of(x: vec4f, source: vec4f, white: vec4f) -> vec4f {
-  return vec4f(dot(source, vec4f(1.0)), dot(source, x), dot(source, x * x), dot(white, x));
 }

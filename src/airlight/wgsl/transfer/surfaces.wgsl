@@ -1,24 +1,7 @@
 // Surfaces of equal value, from the tables of `transfer/crossings.py`: which of them a slab crosses, and what these send together.
 
-import generated::transfer::{params, surfaces, pairs};
+import generated::transfer::{params, pairs};
 import package::sample::{Sample, Slab};
-
-const ROWS_IN_LINE = 64u;
-
-// How many iso-values lie at or below a value: its number. Values on an iso-value are above it.
-fn number_of(value: f32) -> u32 {
-  let place = saturate((value - params.surface_first) * params.surface_per_value) * f32(params.surface_bins);
-  let bin = surface_row(min(u32(place), params.surface_bins - 1u));
-  var number = u32(bin.x) + u32(value >= bin.y) + u32(value >= bin.z) + u32(value >= bin.w);
-  if (value >= bin.w) {
-    while (number < params.surface_count && value >= surface_value(number)) { number++; }
-  }
-  return number;
-}
-
-fn surface_row(row: u32) -> vec4f { return textureLoad(surfaces, vec3u(row % ROWS_IN_LINE, row / ROWS_IN_LINE, 0u), 0); }
-
-fn surface_value(number: u32) -> f32 { return surface_row(params.surface_bins + number * params.surface_rows).x; }
 
 // The surfaces between a slab's two ends: values, and places in the slab, of the front-most and the hindmost.
 struct Crossing { pair: u32, first_value: f32, last_value: f32, first: f32, last: f32, mean_extinction: f32 }
@@ -55,11 +38,6 @@ fn crossed(crossing: Crossing, light: vec4f, moment: vec4f) -> Slab {
 fn thickness_of(front: Sample, back: Sample, length: f32) -> f32 {
   let distance = back.t_world - front.t_world;
   return select(1.0, length / distance, distance > 0.0 && length != distance);
-}
-
-// What gets through when the thickness is multiplied. What is opaque stays so.
-fn thicker(through: f32, thickness: f32) -> f32 {
-  return select(select(pow(through, thickness), 1.0, thickness <= 0.0), through, thickness == 1.0);
 }
 
 // The same light of another opacity.

@@ -1,9 +1,10 @@
 // Surfaces of equal value with nothing between them: a slab is told by the two numbers of its ends.
 
+import package::optics::thicker;
 import package::sample::{Sample, Medium, Slab};
 import package::transfer::function::{function_at, is_empty_between};
-import package::transfer::surfaces::{number_of, crossing_of, step_on, light_at, moment_at, crossed};
-import package::transfer::surfaces::{thickness_of, thicker, thinned};
+import package::transfer::iso_values::number_of;
+import package::transfer::surfaces::{crossing_of, step_on, light_at, moment_at, crossed, thickness_of, thinned};
 import slot::values::scalar_of;
 
 struct Known { number: u32 }

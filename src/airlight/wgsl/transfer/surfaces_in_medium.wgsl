@@ -1,19 +1,14 @@
 // What surfaces cut a slab of a medium into: the piece up to the first of them, the run of surfaces, the piece behind the last.
 
 import generated::transfer::params;
+import package::optics::thicker;
 import package::sample::Slab;
 import package::transfer::cells::Reached;
 import package::transfer::function::reach;
 import package::transfer::straight::{lengths_of, mean_between};
-import package::transfer::surfaces::{surface_row, number_of, Crossing, crossing_of, step_on, light_at, moment_at};
-import package::transfer::surfaces::{crossed, thicker, thinned};
-
-// What is known of the medium at a surface, as seen from the side towards higher or lower values.
-fn reach_surface(number: u32, above: bool) -> Reached {
-  let row = params.surface_bins + number * params.surface_rows;
-  let held = clamp(surface_row(row).x, params.first_value, params.last_value);
-  return Reached(held, surface_row(row + select(3u, 4u, above)), surface_row(row + 1u), surface_row(row + 2u));
-}
+import package::transfer::iso_values::{number_of, reach_surface};
+import package::transfer::surfaces::{Crossing, crossing_of, step_on, light_at, moment_at};
+import package::transfer::surfaces::{crossed, thinned};
 
 // The surfaces and the medium between them; a cubic runs through the four lengths of the table.
 fn run_of(crossing: Crossing, length: f32, thickness: f32) -> Slab {

@@ -14,7 +14,11 @@ from typing import Any
 
 import numpy as np
 
-import airlight as al
+from ..scene import Layer, Scene
+from ..stages.camera import Orthographic
+from ..stages.shade import BlinnPhong
+from ..transfer import TransferFunction
+from ..volume import Volume
 
 POINTS_PER_SEGMENT = 256
 MAPPERS = {"VTK GPU mapper": "vtkGPUVolumeRayCastMapper", "VTK CPU mapper": "vtkFixedPointVolumeRayCastMapper"}
@@ -60,14 +64,14 @@ class VtkPicture:
         read.Update()
         width, height = self.window.GetSize()
         pixels = vtk_to_numpy(read.GetOutput().GetPointData().GetScalars())
-        return pixels.reshape(height, width, 3)[::-1].astype(np.float64) / 255
+        return np.asarray(pixels.reshape(height, width, 3)[::-1].astype(np.float64) / 255)
 
     def close(self) -> None:
         """Release the window."""
         self.window.Finalize()
 
 
-def vtk_picture(scene: al.Scene, size: tuple[int, int], mapper: str) -> VtkPicture:
+def vtk_picture(scene: Scene, size: tuple[int, int], mapper: str) -> VtkPicture:
     """Build a scene of one layer with a plain spacing and at most one directional light."""
     vtk = load_vtk()
     layer, camera = scene.layers[0], scene.camera
@@ -93,7 +97,7 @@ def vtk_picture(scene: al.Scene, size: tuple[int, int], mapper: str) -> VtkPictu
     return VtkPicture(window, renderer, ray_caster, volume, min(layer.volume.spacing))
 
 
-def image_data(vtk: Any, volume: al.Volume) -> Any:
+def image_data(vtk: Any, volume: Volume) -> Any:
     """Samples on a grid with spacing and origin."""
     from vtkmodules.util.numpy_support import numpy_to_vtk
 
@@ -105,10 +109,10 @@ def image_data(vtk: Any, volume: al.Volume) -> Any:
     return data
 
 
-def volume_property(vtk: Any, layer: al.Layer) -> Any:
+def volume_property(vtk: Any, layer: Layer) -> Any:
     """Function with opacities of one voxel's length, and shading."""
     function = layer.transfer
-    assert function is not None
+    assert isinstance(function, TransferFunction)
     unit = min(layer.volume.spacing)
     # Extinction is linear between control points, opacity is not: give it many points.
     dense = [np.linspace(a, b, POINTS_PER_SEGMENT, endpoint=False) for a, b in zip(function.values, function.values[1:])]  # noqa: B905
@@ -125,8 +129,8 @@ def volume_property(vtk: Any, layer: al.Layer) -> Any:
     made.SetScalarOpacityUnitDistance(unit)
     made.SetInterpolationTypeToLinear()
     shade = layer.look.shade
-    made.SetShade(isinstance(shade, al.shade.BlinnPhong))
-    if isinstance(shade, al.shade.BlinnPhong):
+    made.SetShade(isinstance(shade, BlinnPhong))
+    if isinstance(shade, BlinnPhong):
         made.SetAmbient(shade.ambient)
         made.SetDiffuse(shade.diffuse)
         made.SetSpecular(shade.specular)
@@ -140,7 +144,7 @@ def aim(vtk: Any, renderer: Any, camera: Any) -> None:
     made.SetPosition(*camera.eye)
     made.SetFocalPoint(*camera.target)
     made.SetViewUp(*camera.up)
-    if isinstance(camera, al.camera.Orthographic):
+    if isinstance(camera, Orthographic):
         made.ParallelProjectionOn()
         made.SetParallelScale(camera.height / 2)
     else:
@@ -148,7 +152,7 @@ def aim(vtk: Any, renderer: Any, camera: Any) -> None:
     renderer.ResetCameraClippingRange()
 
 
-def light(vtk: Any, renderer: Any, scene: al.Scene, camera: Any) -> None:
+def light(vtk: Any, renderer: Any, scene: Scene, camera: Any) -> None:
     """Give the renderer the scene's directional light."""
     renderer.AutomaticLightCreationOff()
     renderer.TwoSidedLightingOn()

@@ -1,0 +1,1 @@
+"""What ``airlight bench`` and the benchmarks of the project measure with."""

@@ -1,0 +1,86 @@
+"""Clips on their way to the device: those that cut nothing are left out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..clips import KINDS, Clip
+from ..scene import Layer, Scene
+from ..shader.layout import class_struct, fill
+from ..shader.program import ClipRecord
+from ..volume import FloatArray, Volume, domain_index
+
+NUMBERS = {kind: number for number, kind in enumerate(KINDS)}
+ALL, SOME, NOTHING = "all", "some", "nothing"
+
+
+def cutting_clips(scene: Scene, layer: Layer) -> tuple[Clip, ...]:
+    """Clips that keep some of a layer's domain, not all of it."""
+    return tuple(clip for clip in scene.clips_of(layer) if kept_of(clip, layer) != ALL)
+
+
+def nothing_left(scene: Scene) -> str:
+    """Why clips leave nothing of any visible layer; empty where they may leave some."""
+    reasons = [_removed(scene, layer) for layer in scene.visible_layers]
+    return reasons[0] if reasons and all(reasons) else ""
+
+
+def _removed(scene: Scene, layer: Layer) -> str:
+    for number, clip in enumerate(scene.clips_of(layer)):
+        if kept_of(clip, layer) == NOTHING:
+            own = number - len(scene.clips)
+            where = f"scene.clips[{number}]" if own < 0 else f"layer.clips[{own}]"
+            return f"{where}, a {clip.kind}, leaves nothing of the volume"
+    return ""
+
+
+def kept_of(clip: Clip, layer: Layer) -> str:
+    """Whether a clip keeps all of a layer's domain, some of it, or nothing.
+
+    Sure of the first and the last: what passes by a corner may be called some.
+    """
+    cells = bool(getattr(layer.look.field, "cells", False))
+    u_world = layer.volume.corners_world(cells) @ clip.unit_from_world[:, :3].T + clip.unit_from_world[:, 3]
+    if clip.kind == "plane":
+        holds, misses = bool((u_world[:, 0] >= 0).all()), bool((u_world[:, 0] < 0).all())
+    else:
+        holds = bool((np.abs(u_world) <= 1).all() if clip.kind == "box" else (np.linalg.norm(u_world, axis=1) <= 1).all())
+        misses = bool(((u_world > 1).all(axis=0) | (u_world < -1).all(axis=0)).any()) or _beyond(clip, layer.volume, cells)
+    if clip.keep == "outside":
+        holds, misses = misses, holds
+    return ALL if holds else NOTHING if misses else SOME
+
+
+def _beyond(clip: Clip, volume: Volume, cells: bool) -> bool:
+    """Whether a box or a sphere lies beyond one of the faces of a volume's domain."""
+    low, high = domain_index(volume.size, cells)
+    unit = clip.unit_from_world
+    world_from_unit = np.linalg.inv(unit[:, :3])
+    index_from_unit = volume.index_from_world[:3, :3] @ world_from_unit
+    middle = volume.index_from_world[:3, 3] - index_from_unit @ unit[:, 3]
+    reach = np.abs(index_from_unit).sum(axis=1) if clip.kind == "box" else np.linalg.norm(index_from_unit, axis=1)
+    return bool(((middle - reach > high) | (middle + reach < low)).any())
+
+
+def pack_clips(clips: tuple[Clip, ...], world_from_device: FloatArray) -> bytes:
+    """Bytes of the array of clips, in coordinates that a matrix (4, 4) maps to the world."""
+    struct = class_struct(ClipRecord, "ClipRecord")
+    records = np.zeros(len(clips), dtype=struct.dtype)
+    for record, clip in zip(records, clips, strict=True):
+        x, y, z = (tuple(row) for row in clip.unit_from_world @ world_from_device)
+        fill(record, struct, ClipRecord(x, y, z, NUMBERS[clip.kind], clip.keep == "inside", clip.capped))
+    return records.tobytes()
+
+
+def clip_statistics(scene: Scene, clips: tuple[Clip, ...], draws_caps: bool, samples: float | None) -> dict[str, Any]:
+    """What ``image.stats`` says of clips: how many there are, cut something, and are drawn as solid faces.
+
+    And why nothing is seen, where no sample was taken; ``samples`` is None where none was looked for.
+    """
+    given = sum(len(scene.clips_of(layer)) for layer in scene.visible_layers)
+    if not given:
+        return {}
+    told: dict[str, Any] = {"given": given, "cutting": len(clips), "capped": sum(clip.capped for clip in clips) * draws_caps}
+    return {"clips": told} | ({"reason": "no ray meets what the clips leave"} if samples == 0 and clips else {})

@@ -1,0 +1,107 @@
+"""Which pixels of an image are drawn: rays that meet no block in which there is something are left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from ..gpu.tiles import Tile
+from ..stages.camera import Orthographic, Perspective
+from ..stages.tone import keeps_black
+from ..volume import FloatArray
+from .resources import DrawnLayer, layer_leaps
+
+if TYPE_CHECKING:
+    from .march import MarchFrame
+
+IntArray = npt.NDArray[np.int64]
+
+ROUNDING_PX = 1.0
+LANES = 16  # columns begin at whole groups of so many pixels, which wide processors draw together
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """The first pixel of each row (h,) that is drawn, and that behind the last; none where it does not exceed the first."""
+
+    first: IntArray
+    last: IntArray
+
+    @property
+    def width(self) -> int:
+        """Return the columns up to the last that is drawn, at least one."""
+        return max(1, int(self.last.max()))
+
+    def of_rows(self, tile: Tile) -> Tile:
+        """Return a tile without the columns that are not drawn in any of its rows."""
+        rows = slice(tile.y, tile.y + tile.height)
+        first = max(tile.x, int(self.first[rows].min()))
+        last = min(tile.x + tile.width, int(self.last[rows].max()))
+        return replace(tile, x=first, width=max(last - first, 0))
+
+    def trimmed(self, tiles: Iterator[Tile]) -> Iterator[Tile]:
+        """Tiles without what is not drawn."""
+        for tile in tiles:
+            part = self.of_rows(tile)
+            if part.width:
+                yield part
+
+
+def whole_image(size_px: tuple[int, int]) -> Columns:
+    """All pixels."""
+    width, height = size_px
+    return Columns(np.zeros(height, dtype=np.int64), np.full(height, width))
+
+
+def shown_columns(frame: MarchFrame) -> Columns:
+    """Return the pixels in which something may be seen of a frame's layers, or all where it is not known."""
+    camera = frame.scene.camera
+    told = isinstance(camera, (Perspective, Orthographic)) and keeps_black(frame.scene_stages["tone"])
+    if not told or frame.keeps_hits or frame.covers.meshes or any("leaps" not in x.resources["field"] for x in frame.layers):
+        return whole_image(frame.size_px)
+    corners_px = [on_image(camera, corners_world(frame, layer), frame.size_px) for layer in frame.layers]  # type: ignore[arg-type]
+    if any(corners is None for corners in corners_px):
+        return whole_image(frame.size_px)
+    return columns_of(np.concatenate([corners for corners in corners_px if corners is not None]), frame.size_px)
+
+
+def corners_world(frame: MarchFrame, layer: DrawnLayer) -> FloatArray:
+    """Corners (n, 8, 3) of the groups of blocks in which there is something."""
+    leaps = layer_leaps(frame.device, layer, frame.anchor_world, frame.progress)
+    low = leaps.groups[:, None, :] * float(leaps.group_voxels)
+    offsets = np.array(list(product((0.0, leaps.group_voxels), repeat=3)))
+    high = np.asarray(layer.context.volume.size, dtype=np.float64)
+    matrix = layer.context.volume.world_from_index
+    return np.asarray(np.clip(low + offsets, -0.5, high - 0.5) @ matrix[:3, :3].T + matrix[:3, 3])
+
+
+def on_image(camera: Perspective | Orthographic, p_world: FloatArray, size_px: tuple[int, int]) -> FloatArray | None:
+    """Places (..., 2) of points (..., 3) on the image [px]; None where one is beside or behind the eye of a perspective."""
+    width, height = size_px
+    right, up, forward = camera.basis()
+    away = p_world - np.asarray(camera.eye)
+    depth = away @ forward
+    half_height = camera.half_height * (depth if isinstance(camera, Perspective) else np.ones_like(depth))
+    if depth.size and isinstance(camera, Perspective) and depth.min() <= 1e-3 * np.abs(away).max():
+        return None
+    aside, above = away @ right / half_height * height / width, away @ up / half_height
+    return np.stack([(1 + aside) / 2 * width, (1 - above) / 2 * height], axis=-1)
+
+
+def columns_of(corners_px: FloatArray, size_px: tuple[int, int]) -> Columns:
+    """Return the columns that enclose, row by row, the rectangles round groups of corners (n, k, 2)."""
+    width, height = size_px
+    low = np.clip(np.floor(corners_px.min(axis=1) - ROUNDING_PX), 0, size_px).astype(np.int64)
+    high = np.clip(np.ceil(corners_px.max(axis=1) + ROUNDING_PX), 0, size_px).astype(np.int64)
+    counts = np.maximum(high[:, 1] - low[:, 1], 0)
+    box = np.repeat(np.arange(len(low)), counts)
+    row = np.arange(len(box)) - np.repeat(np.cumsum(counts) - counts, counts) + low[box, 1]
+    first, last = np.full(height, width), np.zeros(height, dtype=np.int64)
+    np.minimum.at(first, row, low[box, 0] // LANES * LANES)
+    np.maximum.at(last, row, high[box, 0])
+    return Columns(first, last)

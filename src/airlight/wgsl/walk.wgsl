@@ -1,0 +1,103 @@
+// A ray's way through the domain, and the samples on it: what the kinds of walks share. How a walk finds the next slab that
+// matters: `slot::walk`.
+
+import generated::driver::OFFSETS;
+import generated::frame::frame;
+import generated::layer::layer;
+import generated::sizes::{SKIPS_EMPTY, SURFACES_ONLY, Values};
+import package::blocks::{Way, step_on};
+import package::ray::{Ray, INFINITE};
+import package::sample::Sample;
+import slot::blocks::leap_of;
+import slot::field::{locate, field_value};
+import slot::integrate::surface;
+import slot::region::hidden_at;
+import slot::transfer::empty_slab;
+
+// The same ray in index coordinates, still measured in world units.
+struct IndexRay { origin: vec3f, direction: vec3f }
+
+// A ray from where it enters the domain to where it leaves it, and the shift of its samples as a share of a step.
+struct Line { ray: Ray, index: IndexRay, enter: f32, leave: f32, offset: f32 }
+
+fn ray_in_index(ray: Ray) -> IndexRay {
+  return IndexRay(
+    (layer.index_from_world * vec4f(ray.origin_world, 1.0)).xyz,
+    (layer.index_from_world * vec4f(ray.direction_world, 0.0)).xyz,
+  );
+}
+
+fn line_of(ray: Ray, pixel: vec2u) -> Line {
+  let index = ray_in_index(ray);
+  let span = domain_span(index);
+  return Line(ray, index, span.x, span.y, offset_of(pixel));
+}
+
+// What a sample is made of: few numbers are carried through loops.
+struct Fetched { value: Values, t_world: f32 }
+
+struct Ends { front: Fetched, back: Fetched }
+
+fn fetch(line: Line, t_world: f32) -> Fetched {
+  return Fetched(field_value(locate(line.index.origin + t_world * line.index.direction)), t_world);
+}
+
+// Samples lie at whole numbers of steps from the eye, but for the first and the last.
+fn fetch_at(line: Line, k: f32) -> Fetched {
+  return fetch(line, clamp((k + line.offset) * frame.step_world, line.enter, line.leave));
+}
+
+fn sample_of(line: Line, here: Fetched) -> Sample {
+  let p_world = line.ray.origin_world + here.t_world * line.ray.direction_world;
+  let p_index = line.index.origin + here.t_world * line.index.direction;
+  return Sample(here.value, vec3f(0.0), p_index, p_world, here.t_world);
+}
+
+// The number of the last sample of the lattice that is not behind a place.
+fn last_before(line: Line, t_world: f32) -> f32 { return floor(t_world / frame.step_world - line.offset); }
+
+// Whether a slab leaves the result as it is, told from its two samples alone.
+fn is_idle(line: Line, front: Fetched, next: Fetched) -> bool {
+  if (SURFACES_ONLY) { return surface(sample_of(line, front), sample_of(line, next)) > 1.0; }
+  return SKIPS_EMPTY && empty_slab(sample_of(line, front), sample_of(line, next));
+}
+
+// Whether a slab is in a region of which nothing is drawn.
+fn is_hidden(line: Line, front: Fetched, next: Fetched) -> bool {
+  return SKIPS_EMPTY && hidden_at(line.index.origin + mix(front.t_world, next.t_world, 0.5) * line.index.direction);
+}
+
+// The first block, from one on, in which there may be something to be seen.
+fn leapt(start: Way, t_leave: f32) -> Way {
+  var way = start;
+  loop {
+    let reach = leap_of(way.block);
+    if (reach == 0.0 || way.begin >= t_leave) { break; }
+    way = step_on(way, reach);
+  }
+  return way;
+}
+
+// Where the ray enters and leaves the domain, not before the eye [world].
+fn domain_span(ray: IndexRay) -> vec2f {
+  // A ray along a face has no direction across it: it is outside, or it is held by the other faces. One without a direction
+  // meets nothing.
+  let across = abs(ray.direction) <= vec3f(1e-7 * max(abs(ray.direction.x), max(abs(ray.direction.y), abs(ray.direction.z))));
+  let outside = across & ((ray.origin < layer.domain_low) | (ray.origin > layer.domain_high));
+  if (any(outside) || all(across)) { return vec2f(0.0); }
+  let rate = select(ray.direction, vec3f(1.0), across);
+  let a = select((layer.domain_low - ray.origin) / rate, vec3f(-INFINITE), across);
+  let b = select((layer.domain_high - ray.origin) / rate, vec3f(INFINITE), across);
+  let near = min(a, b);
+  let far = max(a, b);
+  return vec2f(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
+}
+
+// Shift of the lattice of samples, as a share of a step: sixteen of them over squares of 4 x 4 pixels (Scharsach, section 5).
+fn offset_of(pixel: vec2u) -> f32 {
+  if (OFFSETS == 0u) { return 0.0; }
+  let fine = pixel & vec2u(1u);
+  let coarse = (pixel >> vec2u(1u)) & vec2u(1u);
+  let rank = 4u * (2u * (fine.x ^ fine.y) + fine.y) + 2u * (coarse.x ^ coarse.y) + coarse.y;
+  return f32(rank) / 16.0;
+}

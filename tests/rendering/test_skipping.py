@@ -1,0 +1,132 @@
+"""Blocks in which nothing is are passed over, and pixels whose rays meet no other are not drawn: the image stays as it is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenes import SIZE, cameras, scene
+
+import airlight as al
+from airlight.gpu import blocks
+from airlight.gpu.tiles import Tile
+from airlight.rendering.shown import columns_of, on_image
+
+LEVEL = 1 / 255
+
+
+def islands(seed: int, count: int, gaps: bool = False) -> al.Volume:
+    """Narrow islands in a flat sea, with steep sides and of several heights."""
+    rng = np.random.default_rng(seed)
+    z, y, x = np.mgrid[:30, :34, :38]
+    field = np.zeros(x.shape)
+    for centre, radius, height in zip(
+        rng.uniform(3, 30, (count, 3)), rng.uniform(1, 4, count), rng.uniform(30, 120, count), strict=True
+    ):
+        away = np.sqrt((x - centre[0]) ** 2 + (y - centre[1]) ** 2 + (z - centre[2]) ** 2)
+        field = np.maximum(field, height * np.clip(2 - away / radius, 0, 1))
+    if gaps:
+        field[rng.random(field.shape) < 0.02] = np.nan
+    matrix = np.diag([1.0, 1.2, 0.9, 1.0])
+    matrix[:3, 3] = (4, -3, 7)
+    return al.Volume(field.astype(np.float32), world_from_index=matrix)
+
+
+FUNCTIONS = {
+    "hill": al.TransferFunction([(20, "red", 0), (60, "green", 0.8), (110, "white", 0.1)]),
+    "steps": al.TransferFunction(
+        [(35, "red", 0), (35, "red", 2), (50, "red", 2), (50, "blue", 0), (80, "blue", 0), (90, "white", 3)]
+    ),
+    "shell": al.TransferFunction([(28, "gold", 0), (30, "gold", 5), (32, "gold", 0)]),
+    "glow": al.TransferFunction([(40, (0, 0, 0), 0), (70, (0.3, 0.5, 0.1), 0), (71, (0, 0, 0), 0)], associated=True),
+    "surfaces": al.TransferFunction.from_surfaces([al.Surface(25.0, "gold", opacity=0.4), al.Surface(60.0, "red")]),
+}
+
+
+def both(renderer, volume: al.Volume, function: al.TransferFunction, camera: str, step: float = 1.0, **look):
+    drawn = al.Scene(volume, transfer=function, camera=cameras(volume)[camera], look=al.Look(**look), background=None)
+    return [renderer.render(drawn, SIZE, step=step, skip=skip) for skip in ("auto", "none")]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize(
+    "look", [{}, {"shade": "none", "field": "linear_exact"}, {"transfer": "postclassified", "field": "nearest"}]
+)
+@settings(max_examples=6)
+@given(
+    seed=st.integers(0, 10_000),
+    count=st.integers(1, 8),
+    camera=st.sampled_from(["perspective", "orthographic", "inside", "cut"]),
+    step=st.sampled_from([0.7, 1.0, 1.9]),
+    gaps=st.booleans(),
+)
+def test_the_image_is_the_same(renderer, name, look, seed, count, camera, step, gaps):
+    if name == "surfaces" and look.get("transfer") == "postclassified":
+        look = {"field": "nearest"}
+    skipped, whole = both(renderer, islands(seed, count, gaps), FUNCTIONS[name], camera, step, **look)
+    assert skipped.stats["skip"]["done"] == "blocks"
+    assert np.abs(skipped.rgba - whole.rgba).max() <= LEVEL
+    met = np.isfinite(whole.depth)
+    assert np.mean(met != np.isfinite(skipped.depth)) <= 2e-3
+    both_met = met & np.isfinite(skipped.depth)
+    assert np.quantile(np.abs(np.where(both_met, skipped.depth, 0) - np.where(both_met, whole.depth, 0)), 0.998) < 0.05
+
+
+@pytest.mark.parametrize("field", ["bspline", "catmull_rom", "mitchell"])
+def test_filters_that_reach_further(renderer, field):
+    for seed in range(3):
+        skipped, whole = both(renderer, islands(seed, 5), FUNCTIONS["hill"], "perspective", field=field)
+        assert skipped.stats["skip"]["done"] == "blocks"
+        assert np.abs(skipped.rgba - whole.rgba).max() <= LEVEL
+
+
+def test_fewer_samples(renderer):
+    skipped, whole = both(renderer, islands(1, 3), FUNCTIONS["hill"], "orthographic")
+    assert skipped.stats["samples"] < 0.3 * whole.stats["samples"]
+
+
+def test_a_function_that_shows_nothing(renderer):
+    skipped, whole = both(renderer, islands(1, 3), al.TransferFunction([(500, "red", 0), (600, "red", 1)]), "perspective")
+    assert not skipped.rgba.any()
+    assert not whole.rgba.any()
+    assert np.isinf(skipped.depth).all()
+    assert skipped.stats["samples"] == 0
+
+
+@settings(max_examples=30)
+@given(
+    seed=st.integers(0, 10_000),
+    camera=st.sampled_from(["perspective", "orthographic"]),
+    p_px=st.tuples(st.floats(0, SIZE[0]), st.floats(0, SIZE[1])),
+    depth=st.floats(0.1, 50),
+)
+def test_places_on_the_image_are_those_of_rays(seed, camera, p_px, depth):
+    drawn = scene(camera=camera).camera
+    origin, direction = drawn.ray(p_px, SIZE)
+    assert np.allclose(on_image(drawn, np.array([origin + depth * direction]), SIZE), [p_px], atol=1e-6)
+
+
+@given(seed=st.integers(0, 10_000), count=st.integers(0, 6))
+def test_columns_enclose_what_is_shown(seed, count):
+    rng = np.random.default_rng(seed)
+    corners = rng.uniform(-10, 60, (count, 8, 2))
+    columns = columns_of(corners, SIZE)
+    shown = np.zeros(SIZE[::-1], dtype=bool)
+    for x, y in np.floor(corners.mean(axis=1)).astype(int):
+        if 0 <= x < SIZE[0] and 0 <= y < SIZE[1]:
+            shown[y, x] = True
+    covered = np.zeros_like(shown)
+    for tile in columns.trimmed(iter([Tile(0, y, SIZE[0], 8) for y in range(0, SIZE[1], 8)])):
+        covered[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width] = True
+    assert not (shown & ~covered).any()
+
+
+def test_groups_of_blocks_are_few_and_enclose_all_that_counts(device):
+    rng = np.random.default_rng(3)
+    active = rng.random((60, 61, 62)) < 0.2
+    ranges = np.stack([np.zeros(active.shape), active], axis=-1).astype(np.float32)
+    made = blocks.make_leaps(device, ranges, ((-np.inf, 0.5),))
+    assert 0 < len(made.groups) <= blocks.MOST_GROUPS
+    places = np.argwhere(active)[:, ::-1] * blocks.BLOCK_VOXELS // made.group_voxels
+    assert {tuple(place) for place in places} == {tuple(group) for group in made.groups}
