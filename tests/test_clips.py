@@ -59,7 +59,14 @@ def test_scene_files(tmp_path_factory, made, own):
         (lambda: al.Clip.plane(point=(0, np.nan, 0), normal=(0, 0, 1)), r"clip.point\[1\] is nan"),
         (lambda: al.Clip.sphere(center=(0, 0, 0), radius=-2), "clip.radius is -2, must be above 0"),
         (lambda: al.Clip.box(low=(0, 0, 0), high=(1, 0, 1)), "high must be above low"),
-        (lambda: al.Clip.box(low=(0, 0, 0), high=(1, 1, 1), world_from_box=np.zeros((4, 4))), "clip.world_from_box is .*span"),
+        (
+            lambda: al.Clip.box(low=(0, 0, 0), high=(1, 1, 1), world_from_box=np.zeros((4, 4))),
+            "world_from_box must be .*last row",
+        ),
+        (
+            lambda: al.Clip.box(low=(0, 0, 0), high=(1, 1, 1), world_from_box=np.diag([1, 1, 0])),
+            "clip.world_from_box is singular",
+        ),
         (lambda: al.Clip.box(low=(0, 0, 0), high=(1, 1, 1), world_from_box="turn"), "clip.world_from_box is 'turn'"),
         (lambda: al.Clip.plane(point=(0, 0, 0), normal=(0, 0, 1), keep="front"), "clip.keep is 'front', must be one of inside"),
         (lambda: al.Clip.sphere(center=(0, 0, 0), radius=2, capped="yes"), "clip.capped is 'yes', must be true or false"),
@@ -113,9 +120,16 @@ def test_options_are_checked_before_a_file_is_opened():
         ("box:low=[0,0,0]", "--clip.high is missing"),
         ("cone", "--clip.kind is 'cone'"),
         ("sphere:radius", "--clip has 'radius'"),
+        ("box:low=[0,0,0],high=[1,1,1],world_from_box=[[1,0,0],[0,1,0]]", "--clip.world_from_box is"),
     ):
         with pytest.raises(ValueRangeError, match=message):
             parse_clips([text])
+
+
+def test_a_matrix_can_be_typed():
+    (data,) = parse_clips(["box:low=[0,0,0],high=[1,2,3],world_from_box=[[1,0.5,0],[0,1,0],[0,0,1]],keep=outside"])
+    wedge = al.Clip.box(low=(0, 0, 0), high=(1, 2, 3), world_from_box=[[1, 0.5, 0], [0, 1, 0], [0, 0, 1]], keep="outside")
+    assert al.Clip.from_dict(data) == wedge
 
 
 def test_crop_counts_voxels():

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import gc
 import sys
+import weakref
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ import pytest
 import airlight as al
 from airlight.app import cli
 from airlight.errors import DataError, FileError, MissingExtraError, ValueRangeError
+from airlight.geometry.marks import mesh_of
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
@@ -33,6 +36,8 @@ def tetrahedron(**options) -> al.Mesh:
         (CORNERS, None, "is missing"),
         ("mesh.stl", None, "Mesh.open"),
         ([["a", "b", "c"]], FACES, "no array of numbers"),
+        (CORNERS + 1j, FACES, "no array of numbers"),
+        (CORNERS, [[0, 1, 2], [0, 1]], "mesh.faces is a list that is no array of numbers"),
     ],
 )
 def test_what_is_no_mesh(vertices, faces, message):
@@ -48,7 +53,8 @@ def test_what_is_no_mesh(vertices, faces, message):
         ({"smooth": "yes"}, "mesh.smooth"),
         ({"colors": np.ones((3, 3))}, "mesh.colors has the shape"),
         ({"colors": np.full((4, 4), 1.5)}, "opacities above 1"),
-        ({"world_from_mesh": np.eye(3)}, "is no affine"),
+        ({"world_from_mesh": np.eye(3)}, r"mesh.world_from_mesh has shape \(3, 3\), must be \(4, 4\)"),
+        ({"world_from_mesh": [[1, 2], [3]]}, r"mesh.world_from_mesh is .*, must be numbers \(4, 4\)"),
         ({"world_from_mesh": np.diag([1, 1, 0, 1])}, "is singular"),
     ],
 )
@@ -102,12 +108,23 @@ def test_lines_and_points():
     assert axes.points[:, 1].tolist() == [[5, 2, 3], [1, 6, 3], [1, 2, 7]]
 
 
+def test_marks_keep_the_triangles_of_their_last_camera_alone():
+    spots = al.Points(CORNERS)
+    cameras = [al.Camera.perspective(eye=(0, -far, 0), target=(0, 0, 0)) for far in (5, 6, 7)]
+    made = [weakref.ref(mesh_of(spots, camera, (32, 32))) for camera in cameras]
+    gc.collect()
+    assert [reference() is None for reference in made] == [True, True, False]
+    assert mesh_of(spots, cameras[-1], (32, 32)) is made[-1]()
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
         (lambda: al.Lines(CORNERS, width_px=1, width_world=1), "exclude each other"),
         (lambda: al.Lines(CORNERS, width_px=0), "must be above 0"),
         (lambda: al.Lines(CORNERS[:1]), "in a row"),
+        (lambda: al.Lines([[0, 1, 2], [0, 1]]), "lines.points is a list that is no array of numbers"),
+        (lambda: tetrahedron().moved("away"), "mesh.moved is 'away'"),
         (lambda: al.Lines(np.full((2, 3), np.inf)), "not finite"),
         (lambda: al.Points(CORNERS, colors=np.ones((2, 3))), "points.colors"),
         (lambda: al.Points(np.zeros((0, 3))), "has the shape"),

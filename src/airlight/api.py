@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from .errors import ValueRangeError
 from .first_picture import first_picture
 from .scene import Look, Scene
 from .stage import Stage
+from .transfer.given import check_size
 from .volume import Volume
 
 if TYPE_CHECKING:
@@ -114,12 +113,6 @@ def relight(image: Image, scene: Scene, *, device: str | int | None = None, prog
     from .rendering.renderer import shared
 
     return shared(device).relight(image, scene, progress=progress)
-
-
-def check_size(size: Any) -> None:
-    """Refuse what is no width and height of an image."""
-    if np.shape(size) != (2,) or not all(0 < int(n) <= 1 << 16 for n in size):
-        raise ValueRangeError("size", f"is {size!r}, must be width and height, each in [1, 65536]")
 
 
 def as_scene(what: Any, size: tuple[int, int] = (512, 512), progress: Progress | None = None) -> Scene:

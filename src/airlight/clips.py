@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from .errors import DataError, ValueRangeError
 from .transfer.given import direction, finite_numbers, flag, listed, positive, set_fields
-from .volume import FloatArray
+from .volume import FloatArray, checked_affine
 
 Vector = tuple[float, float, float]
 Row = tuple[float, float, float, float]
@@ -201,11 +201,11 @@ def _rows(matrix: Any) -> tuple[Row, ...] | None:
         raise ValueRangeError(where, f"is {matrix!r}", "give a matrix, (4, 4), or a turn, (3, 3)")
     full = np.eye(4)
     full[: len(given), : len(given)] = given
-    lengths = np.linalg.norm(full[:3, :3], axis=0)
-    whole = np.isfinite(full).all() and (lengths > 0).all() and tuple(full[3]) == (0, 0, 0, 1)
-    if not whole or abs(np.linalg.det(full[:3, :3] / lengths)) < 1e-9:
-        raise ValueRangeError(where, f"is {given.tolist()}, must be finite and span space, with last row 0, 0, 0, 1")
-    return tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in full)
+    try:
+        checked = checked_affine(full, where)
+    except DataError as error:
+        raise ValueRangeError(where, error.what) from None
+    return tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in checked)
 
 
 def _needed(kind: str) -> list[str]:

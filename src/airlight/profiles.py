@@ -20,7 +20,7 @@ from .reference.march import span
 from .reference.setup import Setup
 from .scene import Scene
 from .stage import make_stage
-from .transfer.given import listed
+from .transfer.given import check_size, listed
 from .volume import FloatArray
 
 THIN = 1e-6
@@ -94,7 +94,7 @@ def ray_profile(
     Raises
     ------
     ValueRangeError
-        For points beside the image, a step that is not above zero, and layers that are not there.
+        For sizes that are none, points beside the image, a step that is not above zero, and layers that are not there.
     StageError
         When only the device knows the camera's rays.
 
@@ -110,6 +110,7 @@ def ray_profile(
         raise DataError("scene", f"is a {type(scene).__name__}", "pass the airlight.Scene that the image shows")
     if not (isinstance(step, (int, float)) and 1e-3 <= step <= 1e3):
         raise ValueRangeError("step", f"is {step!r}, must lie in [0.001, 1000] voxels")
+    check_size(size)
     x, y = _place(p_px, size)
     scene = resolve(scene, size)
     chosen = layer_of(scene, layer)

@@ -33,9 +33,6 @@ from .transfer.joint import JointFunction
 from .transfer.kinds import AnyFunction, DrawnFunction, as_function, channels_of, drawn_function
 from .volume import FloatArray, Volume, statistics
 
-ROUNDING = 1e-12  # of lengths of directions, which stay as they are
-VECTORS = {"head": "vector", "directional": "to_light", "point": "position"}  # what the vector of each kind of light is called
-
 __all__ = ["VIEWS", "Camera", "Layer", "Light", "Look", "Scene", "fit_camera"]
 
 

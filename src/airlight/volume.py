@@ -96,7 +96,7 @@ class Volume:
                 (1.0, 1.0, 1.0) if spacing is None else spacing, (0.0, 0.0, 0.0) if origin is None else origin, where
             )
         self.array: AnyArray = data
-        self.world_from_index: FloatArray = _checked_affine(world_from_index, where)
+        self.world_from_index: FloatArray = checked_affine(world_from_index, f"{where}.world_from_index")
         self.units, self.value_unit, self.time_unit = units, value_unit, time_unit
         self.no_data, self.anatomical, self.modality = no_data, bool(anatomical), modality
         self.name, self.source = name, source
@@ -378,15 +378,25 @@ def affine(spacing: Sequence[float], origin: Sequence[float], where: str = "volu
     return matrix
 
 
-def _checked_affine(matrix: npt.ArrayLike, where: str) -> FloatArray:
-    checked = np.array(matrix, dtype=np.float64)
+def checked_affine(matrix: npt.ArrayLike, where: str) -> FloatArray:
+    """Read-only matrix (4, 4) that maps space to space.
+
+    Raises
+    ------
+    DataError
+        When it is none.
+    """
+    try:
+        checked = np.array(matrix, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise DataError(where, f"is {matrix!r}, must be numbers (4, 4)") from None
     if checked.shape != (4, 4):
-        raise DataError(f"{where}.world_from_index", f"has shape {checked.shape}, must be (4, 4)")
+        raise DataError(where, f"has shape {checked.shape}, must be (4, 4)")
     if not np.isfinite(checked).all() or not np.allclose(checked[3], (0, 0, 0, 1)):
-        raise DataError(f"{where}.world_from_index", "must be finite with last row 0, 0, 0, 1")
+        raise DataError(where, "must be finite with last row 0, 0, 0, 1")
     lengths = np.linalg.norm(checked[:3, :3], axis=0)
     if not (lengths > 0).all() or abs(np.linalg.det(checked[:3, :3] / lengths)) < 1e-9:
-        raise DataError(f"{where}.world_from_index", "is singular: its axes do not span space")
+        raise DataError(where, "is singular: its axes do not span space")
     checked.flags.writeable = False
     return checked
 

@@ -66,6 +66,15 @@ def test_mistakes_are_told_before_a_file_is_opened(
     assert message in capsys.readouterr().err
 
 
+def test_meshes_are_lit_where_the_volume_is_not(volume_file: str, drawn: Drawn, tmp_path: Path) -> None:
+    (tmp_path / "body.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    mesh = f"{tmp_path / 'body.obj'}:lit="
+    assert render(volume_file, tmp_path, "--light", "head", "--shade", "none", "--mesh", mesh + "true") == 0
+    assert drawn
+    for words in (["--shade", "none", "--mesh", mesh + "false"], ["--environment", "studio", "--mesh", mesh + "true"]):
+        assert render(volume_file, tmp_path, "--light", "head", *words) == cli.USAGE_ERROR
+
+
 @pytest.mark.parametrize(
     ("words", "cause"),
     [

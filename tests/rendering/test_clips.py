@@ -297,13 +297,15 @@ def test_a_clip_that_leaves_nothing_says_so(renderer):
         ([al.Clip.box(low=at(80, 0, 0), high=at(90, 9, 9))], "scene.clips[0], a box, leaves nothing of the volume"),
         (
             [al.Clip.plane(point=at(0, 0, z), normal=(0, 0, z)) for z in (1, -1)],
-            "no ray meets what the clips leave",
+            "nothing is seen of what the clips leave",
         ),
     ):
         image = renderer.render(clipped(clips), SIZE)
         assert image.stats["reason"] == reason
         assert not image.rgba.any()
         assert np.isinf(image.depth).all()
+    filled = dataclasses.replace(homogeneous(2.0), clips=[al.Clip.plane(point=(14, 14, 14), normal=(0, 1, 0), capped=True)])
+    assert "reason" not in renderer.render(filled, (16, 16)).stats
     sky = dataclasses.replace(clipped([al.Clip.sphere(center=at(200, 0, 0), radius=9)]), background=al.Environment.studio())
     image = renderer.render(sky, SIZE)
     assert "leaves nothing" in image.stats["reason"]

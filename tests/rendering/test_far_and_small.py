@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 import threading
+import time
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -150,6 +152,23 @@ def test_exact_paths_are_exact(renderer):
     for integrate in ("minip", "mean"):
         drawn = scene(field="linear_exact", integrate=integrate, transfer="postclassified")
         assert np.abs(renderer.render(drawn, SIZE).rgba - reference.render(drawn, SIZE).rgba).max() < 5e-4
+
+
+def test_volumes_are_let_go_at_once(renderer):
+    """No ring of references waits for the garbage to be collected: volumes are large."""
+    volume = al.Volume(np.zeros((4, 4, 4), dtype=np.float32))
+    known = weakref.ref(volume)
+    gc.collect()
+    gc.disable()
+    try:
+        renderer.render(al.Scene(volume, camera="iso", transfer=function()), (8, 8))
+        del volume
+        deadline = time.monotonic() + 5
+        while known() is not None and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert known() is None
+    finally:
+        gc.enable()
 
 
 def test_forgotten_renderers_end_their_threads():

@@ -52,6 +52,13 @@ def test_lit_again_is_drawn_anew(any_renderer, camera, change):
         assert np.abs(again.rgba - image.rgba).max() > 0.05
 
 
+def test_meshes_are_refused_where_they_would_not_be_drawn(renderer):
+    drawn = iso()
+    image = renderer.render(drawn, SIZE, keep_hits=True)
+    with pytest.raises(StageError, match="not meshes"):
+        renderer.relight(image, replace(drawn, meshes=[al.Lines.box(blobs())]))
+
+
 def test_an_unlit_picture_is_lit_again(any_renderer):
     """Nothing asks for gradients while it is drawn, light will."""
     unlit, lit = iso(shade="none"), iso()

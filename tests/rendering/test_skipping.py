@@ -73,6 +73,37 @@ def test_the_image_is_the_same(renderer, name, look, seed, count, camera, step, 
     assert np.quantile(np.abs(np.where(both_met, skipped.depth, 0) - np.where(both_met, whole.depth, 0)), 0.998) < 0.05
 
 
+@pytest.mark.parametrize("side", [(0, -1, 0), (-1, 0, 0)])
+@pytest.mark.parametrize(("shape", "look"), [((3, 4, 5), {"field": "nearest", "transfer": "postclassified"}), ((1, 4, 5), {})])
+def test_outer_cells_are_drawn(renderer, shape, look, side):
+    """They reach half a voxel beyond the outer centres; so does a slice."""
+    volume, solid = al.Volume(np.full(shape, 100, np.float32)), al.TransferFunction([(20, "red", 0), (90, "red", 5)])
+    middle = volume.corners_world().mean(axis=0)
+    camera = al.Camera.orthographic(eye=tuple(middle + 20 * np.array(side)), target=tuple(middle), height=7)
+    drawn = al.Scene(volume, transfer=solid, camera=camera, look=al.Look(shade="none", **look), background=None)
+    skipped, whole = (renderer.render(drawn, (200, 200), skip=skip) for skip in ("auto", "none"))
+    assert skipped.stats["skip"]["done"] == "blocks"
+    assert np.abs(skipped.rgba - whole.rgba).max() <= LEVEL
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("camera", ["perspective", "orthographic", "inside"])
+def test_pieces_in_which_nothing_is(renderer, name, camera):
+    """What clips cut a ray into is passed over where nothing is: the same image, hardly a sample more than without clips."""
+    volume = islands(7, 4)
+    middle = volume.corners_world().mean(axis=0)
+    slices = [
+        al.Clip.box(low=(-99, y, -99), high=(99, y + 1.5, 99), keep="outside", capped=y > 20)
+        for y in middle[1] + np.arange(-18, 18, 6)
+    ]
+    drawn = al.Scene(volume, transfer=FUNCTIONS[name], camera=cameras(volume)[camera], background=None, clips=slices)
+    skipped, whole = (renderer.render(drawn, SIZE, skip=skip) for skip in ("auto", "none"))
+    assert np.abs(skipped.rgba - whole.rgba).max() <= LEVEL
+    assert skipped.rgba.any()
+    unclipped = renderer.render(al.Scene(volume, transfer=FUNCTIONS[name], camera=drawn.camera, background=None), SIZE)
+    assert skipped.stats["samples"] < 1.5 * unclipped.stats["samples"]
+
+
 @pytest.mark.parametrize("field", ["bspline", "catmull_rom", "mitchell"])
 def test_filters_that_reach_further(renderer, field):
     for seed in range(3):

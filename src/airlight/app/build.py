@@ -8,17 +8,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from ..errors import DataError, ValueRangeError
 from ..first_picture import automatic_channels, first_picture, projection_transfer, resolved_camera
-from ..scene import VIEWS, Camera, Layer, Look, Scene, fit_camera
+from ..scene import Camera, Layer, Look, Scene
 from ..stage import Stage
 from ..stages.camera import Orthographic, Perspective, Stereo
 from ..transfer import Surface, TransferFunction, presets
 from ..transfer.colormaps import colours_of
 from ..volume import Volume
-from .clips import cropped, parse_clips, parse_crop, with_clips
+from .clips import check_cut, cropped, parse_clips, parse_crop, with_clips
 from .inputs import open_named
 from .labels import LabelOptions, with_labels
 from .lights import check_lit, parse_lights
@@ -120,6 +118,7 @@ def make_job(
     else:
         size = size or SIZE
         scene = _picture_of(open_input(path, read, progress), _of_one_eye(size) if view.stereo else size, look, colours)
+    check_cut(scene, clips, crop)
     layers = tuple(_with_look(layer, look, stages) for layer in scene.layers)
     if look.channels is not None:
         layers = tuple(
@@ -134,12 +133,12 @@ def make_job(
     if labels is not None:
         layers = tuple(with_labels(layer, labels, progress, parse_bytes(read.max_memory)) for layer in layers)
     layers = tuple(cropped(lit_by(layer, environment, look.shade is not None), crop) for layer in layers)
-    if look.light:
-        check_lit(layers)
     if look.mesh or look.box is not None:
         drawn = () if look.box is None else boxes(layers, look.box)
         changes["meshes"] = (*scene.meshes, *open_meshes(meshes), *drawn)
     scene = with_clips(dataclasses.replace(scene, layers=layers, **changes), clips)
+    if look.light:
+        check_lit(scene)
     if view.background == BACKGROUND:
         scene = dataclasses.replace(scene, background=seen_behind(scene, environment))
     elif environment is not None:
@@ -252,11 +251,7 @@ def _with_surfaces(layer: Layer, surfaces: tuple[Surface, ...], alone: bool) -> 
 
 def orthographic(scene: Scene, size: tuple[int, int]) -> Scene:
     """Return the scene with parallel rays; the image shows what the perspective one shows at its target."""
-    camera = scene.camera
-    if isinstance(camera, str):
-        assert camera in VIEWS
-        corners = np.concatenate([layer.volume.corners_world() for layer in scene.visible_layers or scene.layers])
-        camera = fit_camera(camera, corners, size[0] / size[1])
+    camera = resolved_camera(scene, size)
     if isinstance(camera, Orthographic):
         return scene
     if not isinstance(camera, Perspective):

@@ -33,11 +33,25 @@ def parse_clips(texts: Sequence[str]) -> list[dict[str, Any]]:
     return found
 
 
+def check_cut(scene: Scene, clips: Sequence[Any], crop: Ranges | None) -> None:
+    """Refuse clips where there is nothing to cut.
+
+    Raises
+    ------
+    ValueRangeError
+        For scenes of meshes alone.
+    """
+    if not scene.layers and (clips or crop):
+        raise ValueRangeError(OPTION if clips else "--crop", "cuts volumes, and the scene has none", "leave it out")
+
+
 def with_clips(scene: Scene, given: Sequence[Mapping[str, Any]]) -> Scene:
     """Return the scene with these clips in the place of its own."""
+    if not given:
+        return scene
     corners = np.concatenate([layer.volume.corners_world() for layer in scene.visible_layers or scene.layers])
     middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
-    return dataclasses.replace(scene, clips=tuple(_clip(_placed(data, middle)) for data in given)) if given else scene
+    return dataclasses.replace(scene, clips=tuple(_clip(_placed(data, middle)) for data in given))
 
 
 def _placed(data: Mapping[str, Any], middle: Any) -> dict[str, Any]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..errors import ValueRangeError
+from ..geometry import Mesh
 from ..light import Light
-from ..scene import Layer
+from ..scene import Layer, Scene
 from .parse import assignments
 
 OPTION = "--light"
@@ -26,17 +27,23 @@ def _parsed(text: str) -> Light:
         raise ValueRangeError(OPTION + error.where.removeprefix("light"), error.what, error.remedy) from None
 
 
-def check_lit(layers: Sequence[Layer]) -> None:
-    """Refuse lights that no layer asks.
+def check_lit(scene: Scene) -> None:
+    """Refuse lights that nothing asks.
 
     Raises
     ------
     ValueRangeError
-        When all layers are shaded without lights, or show values that are not lit.
+        When all layers are shaded without lights, or show values that are not lit, and so are all meshes.
     """
-    causes = [_cause(layer) for layer in layers]
+    shades = [layer.look.shade for layer in scene.visible_layers[:1]]
+    # Meshes are lit as the first layer is; where that is not lit at all by Blinn-Phong.
+    meshes_ask = all(getattr(shade, "asks_lights", True) or not getattr(shade, "lit", True) for shade in shades)
+    if meshes_ask and any(isinstance(mesh, Mesh) and mesh.lit for mesh in scene.meshes):
+        return
+    causes = [_cause(layer) for layer in scene.layers]
     if all(causes):
-        raise ValueRangeError(OPTION, f"lights nothing, {causes[0]}", "leave one of them out, or use --shade blinn_phong")
+        cause = causes[0] if causes else "the scene has neither volumes nor meshes that are lit"
+        raise ValueRangeError(OPTION, f"lights nothing, {cause}", "leave one of them out, or use --shade blinn_phong")
 
 
 def _cause(layer: Layer) -> str:

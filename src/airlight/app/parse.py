@@ -196,7 +196,7 @@ def choices(slot: str) -> str:
 def assignments(text: str, where: str) -> dict[str, Any]:
     """Values by name of ``parameter=value,parameter=value``; lists in brackets."""
     values: dict[str, Any] = {}
-    for word in re.split(r",(?![^\[]*\])", text):
+    for word in _words(text):
         key, equals, value = (part.strip() for part in word.partition("="))
         if not equals or not key or not value:
             raise ValueRangeError(where, f"has {word!r}, must be PARAMETER=VALUE", f"e.g. {where} name:parameter=1")
@@ -204,6 +204,17 @@ def assignments(text: str, where: str) -> dict[str, Any]:
             raise ValueRangeError(f"{where}.{key}", "is given twice")
         values[key] = _literal(value)
     return values
+
+
+def _words(text: str) -> Iterator[str]:
+    """Parts between the commas that lie in no bracket."""
+    begin = depth = 0
+    for place, letter in enumerate(text):
+        depth += (letter == "[") - (letter == "]")
+        if letter == "," and depth <= 0:
+            yield text[begin:place]
+            begin = place + 1
+    yield text[begin:]
 
 
 def _literal(text: str) -> Any:

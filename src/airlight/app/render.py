@@ -118,6 +118,10 @@ def render(
 
 def notes(scene: Scene, image: Any, chosen: bool, own_channel: bool = False) -> Iterator[str]:
     """Tell what a user might not expect: channels left out, a view against the file's axes, labels elsewhere, and nothing."""
+    if not scene.layers:
+        if not image.rgba.any():
+            yield "nothing is visible: see --camera"
+        return
     layer = scene.layers[0]
     if own_channel and layer.volume.channel_count > 1 and len(layer.channels) == 1:
         yield f"this is channel 0 of {layer.volume.channel_count}; --channel N draws another, --channels all draws all in one"

@@ -53,7 +53,7 @@ def faces_of(given: Any, vertex_count: int, where: str) -> IndexArray:
     DataError
         When there are none, they are no triangles, or name vertices that are not there.
     """
-    faces = np.asarray(given)
+    faces = array_of(given, where, "give whole numbers (m, 3): three vertices a face")
     if faces.ndim != 2 or faces.shape[1] != 3 or not np.issubdtype(faces.dtype, np.integer):
         what = f"is an array of {faces.dtype} with the shape {faces.shape}"
         raise DataError(where, what, "give whole numbers (m, 3): three vertices a face")
@@ -106,10 +106,22 @@ def digest(*arrays: npt.NDArray[Any] | None) -> str:
     return found.hexdigest()
 
 
-def _numbers(given: Any, where: str, remedy: str) -> FloatArray:
+def array_of(given: Any, where: str, remedy: str) -> npt.NDArray[Any]:
+    """Array of real numbers.
+
+    Raises
+    ------
+    DataError
+        When it is none.
+    """
     try:
-        return (
-            np.asarray(given, dtype=np.float64) if not isinstance(given, np.ndarray) else given.astype(np.float64, copy=False)
-        )
-    except (TypeError, ValueError) as error:
-        raise DataError(where, f"is a {type(given).__name__} that is no array of numbers", remedy) from error
+        array = np.asarray(given)
+    except (TypeError, ValueError):
+        array = np.empty(0, dtype=object)  # rows of different lengths
+    if array.dtype.kind not in "biuf":
+        raise DataError(where, f"is a {type(given).__name__} that is no array of numbers", remedy)
+    return array
+
+
+def _numbers(given: Any, where: str, remedy: str) -> FloatArray:
+    return array_of(given, where, remedy).astype(np.float64, copy=False)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ..errors import DataError, ValueRangeError
+from ..keeping import Kept
 from ..stages.camera import Camera, Orthographic
 from ..transfer import linear_rgb
 from ..transfer.colour import MOST_COLOUR, Colour
 from ..transfer.given import positive, set_fields, share
 from ..volume import FloatArray, Volume
-from .arrays import colours_of, digest, frozen, points_of
+from .arrays import array_of, colours_of, digest, frozen, points_of
 from .mesh import Mesh
 
 ROUND = 12  # corners of a point
@@ -118,7 +119,7 @@ class Lines(_Marks):
         width_px: float | None = None,
         width_world: float | None = None,
     ) -> None:
-        given = np.asarray(points)
+        given = array_of(points, "lines.points", "give ends (n, 2, 3), or points (n, 3) in a row")
         if given.ndim == 2 and len(given) > 1:
             given = np.stack([given[:-1], given[1:]], axis=1)
         if given.ndim != 3 or given.shape[1:] != (2, 3):
@@ -266,7 +267,10 @@ def _unlit(marks: _Marks, corners: FloatArray, faces: npt.NDArray[np.int64], row
     )
 
 
-@lru_cache(maxsize=16)
 def mesh_of(marks: Lines | Points, camera: Camera, size_px: tuple[int, int]) -> Mesh | None:
-    """Triangles of lines and points, the same object as long as camera and image stay: nothing is uploaded again."""
-    return marks.mesh(camera, size_px)
+    """Triangles of lines and points, the same object as long as camera and image stay: nothing is uploaded again.
+
+    They are kept with the marks, for the last camera alone: a million points make 400 MB of triangles.
+    """
+    kept: Kept[tuple[Camera, tuple[int, int]], Mesh | None] = marks.__dict__.setdefault("_triangles", Kept(1))
+    return kept.get((camera, size_px), lambda: marks.mesh(camera, size_px))

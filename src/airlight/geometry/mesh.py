@@ -14,8 +14,8 @@ from ..errors import DataError
 from ..transfer import linear_rgb
 from ..transfer.colour import MOST_COLOUR, Colour
 from ..transfer.given import flag, set_fields, share
-from ..volume import FloatArray
-from .arrays import IndexArray, colours_of, digest, faces_of, frozen, points_of
+from ..volume import FloatArray, checked_affine
+from .arrays import IndexArray, colours_of, digest, faces_of, points_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ class Mesh:
             color=linear_rgb(color, "mesh.color", MOST_COLOUR),
             colors=None if colors is None else colours_of(colors, len(points), "mesh.colors"),
             opacity=share(opacity, "mesh.opacity"),
-            world_from_mesh=_checked_affine(world_from_mesh),
+            world_from_mesh=None if world_from_mesh is None else checked_affine(world_from_mesh, "mesh.world_from_mesh"),
             smooth=flag(smooth, "mesh.smooth"),
             lit=flag(lit, "mesh.lit"),
             source=source,
@@ -120,8 +120,7 @@ class Mesh:
 
     def moved(self, world_from_world: npt.ArrayLike) -> Mesh:
         """Return the mesh where an affine (4, 4) of the world takes it; nothing of it is uploaded again."""
-        before = np.eye(4) if self.world_from_mesh is None else self.world_from_mesh
-        return replace(self, world_from_mesh=np.asarray(world_from_world, dtype=np.float64) @ before)
+        return replace(self, world_from_mesh=checked_affine(world_from_world, "mesh.moved") @ self.matrix)
 
     @property
     def opaque(self) -> bool:
@@ -168,14 +167,3 @@ class Mesh:
     def _content(self) -> tuple[Any, ...]:
         arrays = digest(self.vertices, self.faces, self.colors, self.world_from_mesh)
         return arrays, self.color, self.opacity, self.smooth, self.lit, self.source
-
-
-def _checked_affine(given: npt.ArrayLike | None) -> FloatArray | None:
-    if given is None:
-        return None
-    matrix = np.asarray(given, dtype=np.float64)
-    if matrix.shape != (4, 4) or not np.isfinite(matrix).all() or not np.allclose(matrix[3], (0, 0, 0, 1)):
-        raise DataError("mesh.world_from_mesh", "is no affine", "give finite numbers (4, 4) with the last row 0, 0, 0, 1")
-    if np.linalg.matrix_rank(matrix[:3, :3]) < 3:
-        raise DataError("mesh.world_from_mesh", "is singular: what it places is flat", "give axes that span space")
-    return frozen(matrix, np.float64)

@@ -70,17 +70,17 @@ def pack_clips(clips: tuple[Clip, ...], world_from_device: FloatArray) -> bytes:
     records = np.zeros(len(clips), dtype=struct.dtype)
     for record, clip in zip(records, clips, strict=True):
         x, y, z = (tuple(row) for row in clip.unit_from_world @ world_from_device)
-        fill(record, struct, ClipRecord(x, y, z, NUMBERS[clip.kind], clip.keep == "inside", clip.capped))
+        fill(record, struct, ClipRecord(x, y, z, NUMBERS[clip.kind], clip.keep == "inside", clip.capped, len(clips)))
     return records.tobytes()
 
 
-def clip_statistics(scene: Scene, clips: tuple[Clip, ...], draws_caps: bool, samples: float | None) -> dict[str, Any]:
+def clip_statistics(scene: Scene, clips: tuple[Clip, ...], draws_caps: bool, is_nothing: bool) -> dict[str, Any]:
     """What ``image.stats`` says of clips: how many there are, cut something, and are drawn as solid faces.
 
-    And why nothing is seen, where no sample was taken; ``samples`` is None where none was looked for.
+    And why nothing is seen, where nothing was looked at.
     """
     given = sum(len(scene.clips_of(layer)) for layer in scene.visible_layers)
     if not given:
         return {}
     told: dict[str, Any] = {"given": given, "cutting": len(clips), "capped": sum(clip.capped for clip in clips) * draws_caps}
-    return {"clips": told} | ({"reason": "no ray meets what the clips leave"} if samples == 0 and clips else {})
+    return {"clips": told} | ({"reason": "nothing is seen of what the clips leave"} if is_nothing and clips else {})

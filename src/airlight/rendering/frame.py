@@ -102,6 +102,7 @@ def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None
     device.kept.begin_frame()
     request = Request(image.size, make_stage("driver", "march"), image.stats["step"])
     frame = replace(prepare(device, scene, request, check, progress), found=image.hits)
+    check_covers(frame)
     check_relights(frame)
     return replace(_finished(frame, request, start), hits=replace(image.hits, scene=scene))
 
@@ -111,7 +112,8 @@ def _finished(frame: MarchFrame, request: Request, start: float) -> Image:
     rgba, depth, samples = draw_march(frame)
     device.kept.trim()
     stats = frame_statistics(frame, request.step) | background_statistics(frame.scene) | frame.covers.statistics()
-    stats |= clip_statistics(frame.given, frame.clips, draws_caps(frame), samples if frame.found is None else None)
+    is_nothing = samples == 0 and frame.found is None and not frame.covers.meshes
+    stats |= clip_statistics(frame.given, frame.clips, draws_caps(frame), is_nothing)
     stats |= {"samples": int(samples), "milliseconds": frame.clock.milliseconds}
     frame.clock.milliseconds["total"] = 1e3 * (time.perf_counter() - start)
     hits = Hits(frame.kept_hits[0], frame.given) if frame.keeps_hits else None

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
+from weakref import proxy
 
 import numpy as np
 
@@ -107,7 +108,7 @@ class MarchFrame:
     @cached_property
     def covers(self) -> Covers:
         """Meshes, and what rays meet of them."""
-        return Covers(self)
+        return Covers(proxy(self))  # no ring, which would keep volumes until garbage is collected
 
     @property
     def shows_environment(self) -> bool:
@@ -283,7 +284,6 @@ class _Band:
             step_world=self.frame.step_world,
             t_offset_world=self.frame.t_offset_world,
             strands=self.frame.device.strands,
-            clip_count=len(self.frame.clips),
             skin_world=SKIN_VOXELS * min(min(layer.context.volume.spacing) for layer in self.frame.layers),
             cover_count=self.frame.covers.layers * self.frame.covers.see_through,
         )

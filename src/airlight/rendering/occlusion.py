@@ -104,7 +104,7 @@ def _made(
         program = build_program(key)
 
         def pack(first_z: int) -> bytes:
-            frame = FrameUniforms(clip_count=len(clips))
+            frame = FrameUniforms()
             return pack_uniforms(program, frame, values | {"occlusion": told, "slice": SliceUniforms(first_z)})
 
         resources = {**bound(program), **inputs, **{f"{name}_sampler": compute.linear_sampler(device) for name in inputs}}

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ..gpu.tiles import Tile
 from ..stages.camera import Orthographic, Perspective
 from ..stages.tone import keeps_black
-from ..volume import FloatArray
+from ..volume import FloatArray, domain_index
 from .resources import DrawnLayer, layer_leaps
 
 if TYPE_CHECKING:
@@ -73,11 +73,13 @@ def shown_columns(frame: MarchFrame) -> Columns:
 def corners_world(frame: MarchFrame, layer: DrawnLayer) -> FloatArray:
     """Corners (n, 8, 3) of the groups of blocks in which there is something."""
     leaps = layer_leaps(frame.device, layer, frame.anchor_world, frame.progress)
-    low = leaps.groups[:, None, :] * float(leaps.group_voxels)
+    volume = layer.context.volume
     offsets = np.array(list(product((0.0, leaps.group_voxels), repeat=3)))
-    high = np.asarray(layer.context.volume.size, dtype=np.float64)
-    matrix = layer.context.volume.world_from_index
-    return np.asarray(np.clip(low + offsets, -0.5, high - 0.5) @ matrix[:3, :3].T + matrix[:3, 3])
+    corners = leaps.groups[:, None, :] * float(leaps.group_voxels) + offsets
+    # Outer blocks go on to where the domain ends, which may be half a voxel further.
+    low, high = domain_index(volume.size, layer.field.cells)
+    corners = np.where(corners <= 0, low, np.where(corners >= np.array(volume.size) - 1.0, high, corners))
+    return np.asarray(corners @ volume.world_from_index[:3, :3].T + volume.world_from_index[:3, 3])
 
 
 def on_image(camera: Perspective | Orthographic, p_world: FloatArray, size_px: tuple[int, int]) -> FloatArray | None:

@@ -44,7 +44,7 @@ from ..stage import (
     uniform_fields,
 )
 from .layout import Struct, class_struct, make_struct
-from .link import Generated, Linked, link, package_source, stage_source
+from .link import Generated, Linked, link, package_source, parse, stage_source
 
 LUMINANCE_SUMS = 4096
 
@@ -62,7 +62,6 @@ class FrameUniforms:
     strands: U32 = param(1)  # into so many sets of rows, dealt out in turn, a dispatch is cut
     t_offset_world: F32 = param(0.0, unit="world")
     cover_count: U32 = param(0)
-    clip_count: U32 = param(0)
     skin_world: F32 = param(0.0, unit="world")
 
 
@@ -98,7 +97,10 @@ class LightRecord:
 
 @dataclass(frozen=True)
 class ClipRecord:
-    """A clip as the device sees it: rows of the way to where its shape is that of its kind; see ``airlight.clips``."""
+    """A clip as the device sees it: rows of the way to where its shape is that of its kind; see ``airlight.clips``.
+
+    Each tells how many there are.
+    """
 
     x: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
     y: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
@@ -106,6 +108,7 @@ class ClipRecord:
     kind: U32 = param(0)
     keeps_inside: Bool = param(True)
     capped: Bool = param(False)
+    count: U32 = param(0)
 
 
 @dataclass(frozen=True)
@@ -408,6 +411,11 @@ def build_program(key: ProgramKey) -> Program:
     )
     blocks = "leaps" if key.switches.skips_blocks else "unknown"
     slots["blocks"] = ((blocks, package_source(f"blocks/{blocks}.wgsl")),)
+    crossings = "cut" if key.switches.has_crossings else "none"
+    slots["crossings"] = ((crossings, package_source(f"crossings/{crossings}.wgsl")),)
+    has_surface = any("surface" in parse(source).declared for _, source in slots.get("integrate", ()))
+    met = "surface" if has_surface else "nothing"
+    slots["met"] = ((met, package_source(f"met/{met}.wgsl")),)
     walk = "surfaces" if key.switches.walks_blocks else "lattice"
     slots["walk"] = ((walk, package_source(f"walk/{walk}.wgsl")),)
     covers = "meshes" if "covers" in key.outputs else "none"

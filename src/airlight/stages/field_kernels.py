@@ -29,18 +29,10 @@ LEAST_SUM = 0.05
 KEPT_TABLES = 8
 
 
-@dataclass(frozen=True, eq=False)
-class SeparableUniforms(ChannelsUniforms):
-    """How many pairs of voxels of an axis have weight."""
-
-    pairs: U32 = param(1)
-
-
 class Separable(Filter):
     """Base of the filters whose weights along each axis come from a table by the share of the way through a cell."""
 
     wgsl: ClassVar[str] = "field/separable.wgsl"
-    uniform_type: ClassVar[type | None] = SeparableUniforms
     radius: int
 
     def weights(self) -> tuple[FloatArray, FloatArray]:
@@ -56,10 +48,6 @@ class Separable(Filter):
     def excess(self) -> float:
         """By the negative weights."""
         return kernels.overshoot_of(kernels.greatest_gain(self.weights()[0]))
-
-    def uniforms(self, context: Context) -> Any:
-        """Return the number of pairs of voxels along an axis, one on either side."""
-        return SeparableUniforms(**channels_values(context), pairs=self.radius)
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
         """Return the samples, and the table: a row for two voxels, their weights and the derivatives of these."""

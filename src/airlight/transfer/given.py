@@ -162,6 +162,19 @@ def flag(given: Any, where: str) -> bool:
     return bool(given)
 
 
+def check_size(size: Any) -> None:
+    """Refuse what is no width and height of an image.
+
+    Raises
+    ------
+    ValueRangeError
+        When it is none.
+    """
+    allowed = isinstance(size, (tuple, list, np.ndarray)) and len(size) == 2
+    if not (allowed and all(isinstance(n, Integral) and 0 < int(n) <= 1 << 16 for n in size)):
+        raise ValueRangeError("size", f"is {size!r}, must be width and height, whole numbers in [1, 65536]")
+
+
 def set_fields(frozen: object, **values: object) -> None:
     """Set checked fields of a value that is being made."""
     for name, value in values.items():

@@ -8,6 +8,7 @@ import package::optics::tinted;
 import package::ray::Ray;
 import package::sample::{Lit, Sample, Slab};
 import slot::clips::{cut_normal, is_capped};
+import slot::integrate::{Accumulated, take};
 import slot::region::part_at;
 import slot::transfer::{know, classify_known};
 import slot::values::is_gap;
@@ -41,6 +42,12 @@ fn lit_behind(face: Face, slab: Slab, front: Sample, back: Sample, lit_rgb: vec3
   var share = face.share * saturate(1.0 - behind / frame.skin_world);
   if (SURFACES_ONLY) { share = select(0.0, face.share, behind <= 0.0); }
   return mix(lit_rgb, lit_whole(slab, face.lit), share);
+}
+
+// The solid face of a clip, as a slab without length. Whether the ray ends there.
+fn take_cap(acc: ptr<function, Accumulated>, cut: Sample, clip: u32, ray: Ray) -> bool {
+  let cap = cap_of(clip, cut);
+  return cap.alpha > 0.0 && take(acc, cut, cut, cap, lit_cap(cap, clip, cut, ray), 0.0);
 }
 
 // The solid face of a capped clip, in the colour that endless depth of what lies at the cut has; empty where nothing does.

@@ -1,8 +1,8 @@
 // Rays cut by clips. A clip answers with the piece of a ray that it keeps next; what all of them keep is drawn. Shapes are met in one
-// piece by any line.
+// piece by any line. They tell themselves how many there are: Mesa 22.3 (lavapipe) makes a loop that ends by a uniform a constant one,
+// compiles that anew for each dispatch, and keeps them all.
 
 import generated::clips::ClipRecord;
-import generated::frame::frame;
 import generated::pass::clips;
 import package::kept::Kept;
 import package::ray::{Ray, INFINITE};
@@ -19,14 +19,14 @@ fn kept_from(ray: Ray, t_world: f32, t_leave: f32) -> Kept {
     let begin = kept.begin;
     kept.end = t_leave;
     kept.far = 0u;
-    for (var i = 0u; i < frame.clip_count; i++) {
+    for (var i = 0u; i < clips[0].count; i++) {
       let piece = piece_from(clips[i], ray, kept.begin);
       kept.near = select(kept.near, i + 1u, piece.x > kept.begin);
       kept.far = select(kept.far, i + 1u, piece.y < kept.end);
       kept.begin = max(kept.begin, piece.x);
       kept.end = min(kept.end, piece.y);
     }
-    if (kept.begin == begin || kept.begin >= t_leave) { break; }
+    if (!(kept.begin > begin && kept.begin < t_leave)) { break; }
   }
   return kept;
 }
@@ -48,7 +48,7 @@ fn cut_normal(number: u32, p_world: vec3f) -> vec3f {
 // Whether a point is drawn, in the coordinates that clips are told in.
 fn is_kept(p: vec3f) -> bool {
   var is_kept_by_all = true;
-  for (var i = 0u; i < frame.clip_count; i++) {
+  for (var i = 0u; i < clips[0].count; i++) {
     let clip = clips[i];
     let unit = unit_of(clip, p);
     let size = abs(unit);

@@ -1,8 +1,9 @@
 // Filters whose weights along each axis come from a table by the share of the way through a cell: a row for each two voxels, in it
 // their weights, then the derivatives of these. Beyond the faces of the grid voxels go on as the outer ones.
-// Voxels are taken eight at a time, two along each axis: some drivers bound the turns of all loops together.
+// Voxels are taken eight at a time, two along each axis: some drivers bound the turns of all loops together. How many there are is told
+// by the table: Mesa 22.3 (lavapipe) compiles a loop that ends by a uniform anew for each dispatch.
 
-import generated::field::{params, weights};
+import generated::field::weights;
 import generated::sizes::Values;
 import package::field::around::{Around, around, tap_at};
 import package::ray::INFINITE;
@@ -13,15 +14,16 @@ struct Place { p_index: vec3f }
 fn locate(p_index: vec3f) -> Place { return Place(p_index); }
 
 fn field_value(place: Place) -> Values {
-  let here = around(place.p_index, i32(params.pairs));
+  let count = pair_count();
+  let here = around(place.p_index, i32(count));
   var values: Values;
   for (var part = 0u; part < PARTS; part++) {
     var sum = Tap();
-    for (var k = 0u; k < params.pairs; k++) {
+    for (var k = 0u; k < count; k++) {
       let z = pair(here.share.z, k);
-      for (var j = 0u; j < params.pairs; j++) {
+      for (var j = 0u; j < count; j++) {
         let y = pair(here.share.y, j);
-        for (var i = 0u; i < params.pairs; i++) {
+        for (var i = 0u; i < count; i++) {
           let voxels = eight(here, vec3u(i, j, k), part);
           sum += across(along(voxels, pair(here.share.x, i).xy), y.xy, z.xy);
         }
@@ -35,18 +37,19 @@ fn field_value(place: Place) -> Values {
 fn field_scalar(place: Place) -> f32 { return scalar_in(field_value(place)); }
 
 fn field_derivative(place: Place) -> vec3f {
-  let here = around(place.p_index, i32(params.pairs));
+  let count = pair_count();
+  let here = around(place.p_index, i32(count));
   var found = vec3f(0.0);
   for (var part = 0u; part < PARTS; part++) {
     var sum = Tap();
     var along_x = Tap();
     var along_y = Tap();
     var along_z = Tap();
-    for (var k = 0u; k < params.pairs; k++) {
+    for (var k = 0u; k < count; k++) {
       let z = pair(here.share.z, k);
-      for (var j = 0u; j < params.pairs; j++) {
+      for (var j = 0u; j < count; j++) {
         let y = pair(here.share.y, j);
-        for (var i = 0u; i < params.pairs; i++) {
+        for (var i = 0u; i < count; i++) {
           let x = pair(here.share.x, i);
           let voxels = eight(here, vec3u(i, j, k), part);
           let rows = along(voxels, x.xy);
@@ -61,6 +64,8 @@ fn field_derivative(place: Place) -> vec3f {
   }
   return found;
 }
+
+fn pair_count() -> u32 { return textureDimensions(weights).y; }
 
 // Weights and derivatives of two voxels along an axis.
 fn pair(share: f32, number: u32) -> vec4f {

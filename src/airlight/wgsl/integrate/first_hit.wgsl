@@ -40,8 +40,8 @@ fn surface_rgb(hit: Sample, front: Sample, back: Sample, rgb: vec3f) -> vec3f {
     let place = saturate((shown_number(hit) - params.low) * params.per_number);
     return table_at(colours, colours_sampler, vec3f((place * (entries - 1.0) + 0.5) / entries, 0.5, 0.5)).rgb;
   }
-  if (params.coloured == 0u) { return rgb; }
-  return select(params.back_rgb, params.front_rgb, scalar_of(back.value) > scalar_of(front.value));
+  let side_rgb = select(params.back_rgb, params.front_rgb, scalar_of(back.value) > scalar_of(front.value));
+  return select(side_rgb, rgb, params.coloured == 0u);
 }
 
 fn shown_number(hit: Sample) -> f32 {

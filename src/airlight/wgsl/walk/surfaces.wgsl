@@ -1,4 +1,4 @@
-// Fetcheds where surfaces are looked for: on the lattice, where the ray enters and leaves a block that may hold one, and between.
+// Samples where surfaces are looked for: on the lattice, where the ray enters and leaves a block that may hold one, and between.
 
 import generated::frame::frame;
 import package::blocks::{Way, way_from, step_on};

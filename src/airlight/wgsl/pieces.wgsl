@@ -1,0 +1,77 @@
+// What of a ray is marched: the pieces that clips keep, up to the nearest opaque mesh. And meshes, in between and behind.
+
+import generated::sizes::{SKIPS_BLOCKS, SURFACES_ONLY};
+import package::blocks::way_from;
+import package::cover::{Cover, result_over};
+import package::kept::Kept;
+import package::ray::INFINITE;
+import package::sample::{Sample, Slab, Result};
+import package::walk::{Line, leapt};
+import slot::clips::{HAS_CLIPS, kept_from};
+import slot::covers::{HAS_COVERS, cover_at};
+import slot::integrate::{Accumulated, take};
+
+// Where a ray ends [world].
+fn end_of(line: Line, at: u32) -> f32 {
+  if (!HAS_COVERS) { return line.leave; }
+  return min(line.leave, cover_at(at, 0u).t_world);
+}
+
+// The next piece that clips keep, at a distance [world] or behind it; one without length where there is none. Pieces in which nothing
+// is are passed over.
+fn next_kept(line: Line, t_world: f32, t_leave: f32) -> Kept {
+  var kept = Kept(t_world, t_world, 0u, 0u);
+  loop {
+    kept = kept_from(line.ray, kept.end, t_leave);
+    if (!HAS_CLIPS || !SKIPS_BLOCKS || kept.begin >= kept.end || holds_something(line, kept)) { break; }
+  }
+  return kept;
+}
+
+fn holds_something(line: Line, kept: Kept) -> bool {
+  return leapt(way_from(line.index.origin, line.index.direction, kept.begin), kept.end).begin < kept.end;
+}
+
+// Take the meshes that let light pass up to a distance, from one number on; return the distance of the next, at which slabs end.
+fn take_covers(acc: ptr<function, Accumulated>, at: u32, number: ptr<function, u32>, t_world: f32, t_leave: f32) -> f32 {
+  var cover = cover_at(at, *number);
+  loop {
+    if (cover.t_world > t_world || t_world >= t_leave) { break; }
+    take_cover(acc, cover);
+    *number += 1u;
+    cover = cover_at(at, *number);
+  }
+  return cover.t_world;
+}
+
+// A mesh that lets light pass is a slab without length.
+fn take_cover(acc: ptr<function, Accumulated>, cover: Cover) {
+  var here: Sample;
+  here.t_world = cover.t_world;
+  take(acc, here, here, Slab(cover.rgb, 0.0, vec3f(0.0), 0.0, cover.alpha), cover.rgb, 0.0);
+}
+
+// What is seen of meshes, beside those in front of which the ray has not gone on: in front of a surface that was hit, and behind all.
+fn covered(marched: Result, at: u32, first: u32) -> Result {
+  if (!HAS_COVERS) { return marched; }
+  var number = first;
+  var seen = marched;
+  if (SURFACES_ONLY) {
+    seen = Result(vec3f(0.0), 0.0, INFINITE);
+    loop {
+      let cover = cover_at(at, number);
+      if (cover.t_world >= marched.t_world) { break; }
+      seen = result_over(seen, Result(cover.rgb, cover.alpha, cover.t_world));
+      number++;
+    }
+    seen = result_over(seen, marched);
+  }
+  loop {
+    let cover = cover_at(at, number);
+    if (cover.t_world >= INFINITE) { break; }
+    seen = result_over(seen, Result(cover.rgb, cover.alpha, cover.t_world));
+    number++;
+  }
+  let last = cover_at(at, 0u);
+  return result_over(seen, Result(last.rgb, last.alpha, last.t_world));
+}
