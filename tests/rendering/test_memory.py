@@ -12,10 +12,13 @@ FRAMES, MOST_BYTES = 20, 4 << 20
 STATM = Path("/proc/self/statm")
 PLANE = al.Clip.plane(point=(0, 0, 0), normal=(0, 1, 0))
 BALL = al.Clip.sphere(center=(0, 0, 0), radius=1.0, keep="outside")
+GLASS = al.Mesh([(-1, -1, 0), (1, -1, 0), (0, 1, 0)], [(0, 1, 2)], opacity=0.5)
 WAYS = {
     "plain": {},
     "clipped": {"clips": [PLANE, BALL]},
     "first hit": {"look": al.Look(integrate=al.integrate.FirstHit(iso=2.0))},
+    "sobel": {"look": al.Look(gradient="sobel")},
+    "meshes": {"meshes": [GLASS]},
 }
 
 

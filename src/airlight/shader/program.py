@@ -82,7 +82,6 @@ class LayerUniforms:
     value_offset: F32 = param(0.0, unit="data")
     channel_scale: Mat4f = param(None, unit="data")
     channel_offset: Mat4f = param(None, unit="data")
-    neighbours: U32 = param(9)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..errors import StageError
-from ..stage import U32, Context, Estimate, Mat4f, Resource, Stretches, Table, param
+from ..stage import Context, Estimate, Mat4f, Resource, Stretches, Table, param
 from ..transfer.cells import all_even, even_cells, has_stepped_ends, stacked_texels, value_axis
 from ..transfer.channels import ENDLESS, Channels
 from ..transfer.function import TransferFunction
@@ -28,7 +28,6 @@ class MixtureUniforms:
     Matrices have a column for each four functions; those of empty stretches, a column for each group of four of a value.
     """
 
-    count: U32 = param(1)
     lane: Mat4f = param(None)
     first_value: Mat4f = param(None, unit="data")
     last_value: Mat4f = param(None, unit="data")
@@ -83,7 +82,6 @@ class Mixture(OfSeveral):
             return by_group({lane: found[number] for lane, found in ends.items()}, of_others)
 
         return MixtureUniforms(
-            count=len(functions),
             lane=_listed(lanes),
             first_value=_listed(first for first, _ in axes),
             last_value=_listed(last for _, last in axes),

@@ -66,10 +66,15 @@ class Joint(Transfer):
         return self
 
     def variant(self, context: Context) -> dict[str, bool]:
-        """Return what colours mean, and which variables have to be computed."""
+        """Return what colours mean, which variables have to be computed, and whether slabs are cut into pieces."""
         function: JointFunction = context.transfer
         has_second = "second" in function.variables
-        return {"associated": function.associated, "has_gradient": self.uses_gradient(function), "has_second": has_second}
+        return {
+            "associated": function.associated,
+            "has_gradient": self.uses_gradient(function),
+            "has_second": has_second,
+            "cuts_slabs": self.samples > 0,
+        }
 
     def empty_values(self, context: Context) -> Stretches:
         """Return the stretches of the first variable on which nothing is, where that is a value."""

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, ClassVar
 
 from ..errors import StageError
-from ..stage import U32, Context, Estimate, Mat4f, Vec4f, param
+from ..stage import Context, Estimate, Mat4f, Vec4f, param
 from ..transfer.cells import even_cells, value_axis
 from ..transfer.regions import ByRegion
 from .field_channels import by_group
@@ -20,7 +20,6 @@ from .transfer_channels import OfSeveral, evenness_error
 class RegionFunctionsUniforms:
     """Axes of the functions, four to a column, and the values at which none of them holds anything."""
 
-    count: U32 = param(1)
     first_value: Mat4f = param(None, unit="data")
     last_value: Mat4f = param(None, unit="data")
     per_value: Mat4f = param(None, unit="1/data")
@@ -42,7 +41,6 @@ class OfRegions(OfSeveral):
         axes = [value_axis(function) for function in functions]
         low, high = ends_of(self.empty_values(context))
         return RegionFunctionsUniforms(
-            count=len(functions),
             first_value=by_group(dict(enumerate(first for first, _ in axes))),
             last_value=by_group(dict(enumerate(last for _, last in axes))),
             per_value=by_group(dict(enumerate(1.0 / (last - first) for first, last in axes))),

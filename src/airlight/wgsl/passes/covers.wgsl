@@ -15,9 +15,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
   if (any(id.xy >= frame.tile_size_px)) { return; }
   let found = textureLoad(triangles, id.xy, 0).xy;
   if (found.x == 0u || found.y != params.number) { return; }
-  if (params.layer > 0u) { atomicAdd(&cover_counts[params.layer], 1u); }
+  // No branch is told by a uniform alone: software devices would compile it anew for each dispatch.
+  if (params.layer > 0u && found.x > 0u) { atomicAdd(&cover_counts[params.layer], 1u); }
   // The layer behind the last one is counted alone.
-  if (params.layer > params.layers) { return; }
+  if (params.layer > params.layers && found.x > 0u) { return; }
   let pixel = frame.tile_origin_px + id.xy;
   let ray = eye_ray(vec2f(pixel) + 0.5);
   let first = 3u * (found.x - 1u);
@@ -31,13 +32,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
   here.t_world = dot(here.p_world - ray.origin_world, ray.direction_world);
   let rgba = vec4f(params.rgb, params.opacity) * colour_at(corners, share);
   let alpha = select(rgba.a, 1.0, params.layer == 0u);
-  var rgb = rgba.rgb;
-  if (params.is_lit != 0u) {
-    let normal = normal_at(corners, share, cross(b, c));
-    here.gradient = -normal;
-    let lit = light(here, normal, -ray.direction_world);
-    rgb = rgb * lit.diffuse + lit.specular;
-  }
+  let normal = normal_at(corners, share, cross(b, c));
+  here.gradient = -normal;
+  let lit = light(here, normal, -ray.direction_world);
+  let rgb = select(rgba.rgb, rgba.rgb * lit.diffuse + lit.specular, params.is_lit != 0u);
   let in_band = (pixel.y - frame.band_first_row) * frame.size_px.x + pixel.x;
   let at = COVER_NUMBERS * (params.layer * frame.size_px.x * frame.band_rows + in_band);
   covers[at] = alpha * rgb.r;
@@ -65,20 +63,17 @@ fn corner_world(number: u32) -> vec3f {
 }
 
 fn colour_at(corners: vec3u, share: vec3f) -> vec4f {
-  if (params.stride < 3u) { return vec4f(1.0); }
-  let at = 3u * corners + 2u;
-  return mat3x4f(mesh_vertices[at.x], mesh_vertices[at.y], mesh_vertices[at.z]) * share;
+  let at = select(vec3u(0u), 3u * corners + 2u, params.stride >= 3u);
+  return select(vec4f(1.0), mat3x4f(mesh_vertices[at.x], mesh_vertices[at.y], mesh_vertices[at.z]) * share, params.stride >= 3u);
 }
 
 // Normal in the world; that of the triangle itself where there is no other.
 fn normal_at(corners: vec3u, share: vec3f, across: vec3f) -> vec3f {
-  var normal = across;
-  if (params.is_smooth != 0u) {
-    let at = params.stride * corners + 1u;
-    let mixed = mat3x3f(mesh_vertices[at.x].xyz, mesh_vertices[at.y].xyz, mesh_vertices[at.z].xyz) * share;
-    let turned = params.normal_from_mesh * mixed;
-    normal = select(across, turned, dot(turned, turned) > 1e-12);
-  }
+  let is_smooth = params.is_smooth != 0u;
+  let at = select(vec3u(0u), params.stride * corners + 1u, is_smooth);
+  let mixed = mat3x3f(mesh_vertices[at.x].xyz, mesh_vertices[at.y].xyz, mesh_vertices[at.z].xyz) * share;
+  let turned = params.normal_from_mesh * mixed;
+  let normal = select(across, turned, is_smooth && dot(turned, turned) > 1e-12);
   let steepest = max(abs(normal.x), max(abs(normal.y), abs(normal.z)));
   return normalize(select(vec3f(0.0, 0.0, 1.0), normal / steepest, steepest > 0.0));
 }

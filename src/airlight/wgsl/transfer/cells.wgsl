@@ -20,6 +20,9 @@ struct Axis {
   last_medium: vec4f,
 }
 
+// Told by the texture: software devices compile a loop that a uniform bounds anew for each dispatch.
+fn function_count() -> u32 { return textureDimensions(function).z; }
+
 fn row_at(axis: Axis, row: u32) -> vec4f {
   return textureLoad(function, vec3u(row % ROW_WIDTH, row / ROW_WIDTH, axis.layer), 0);
 }

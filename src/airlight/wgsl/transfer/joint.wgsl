@@ -1,6 +1,6 @@
 // A function of two or three variables: values of channels, gradient magnitude, second derivative along the gradient.
 
-import generated::transfer::{params, shapes, shapes_sampler, ASSOCIATED, HAS_GRADIENT, HAS_SECOND};
+import generated::transfer::{params, shapes, shapes_sampler, ASSOCIATED, CUTS_SLABS, HAS_GRADIENT, HAS_SECOND};
 import package::gradient::second::second_along;
 import package::optics::{make_slab, over, placed};
 import package::sample::{Sample, Medium, Slab};
@@ -65,7 +65,7 @@ fn classify(front: Sample, back: Sample, length: f32) -> Slab {
 // Without further samples a slab is the mean of its ends. With them the variables run straight from end to end, and a slab is cut
 // into as many pieces as the way is long in entries of the table, as far as there are samples.
 fn classify_known(front: Sample, front_known: Known, back: Sample, back_known: Known, length: f32) -> Slab {
-  if (params.samples == 0u) {
+  if (!CUTS_SLABS) {
     let mean = 0.5 * (front_known.here + back_known.here);
     return make_slab(mean.rgb, mean.a, length);
   }

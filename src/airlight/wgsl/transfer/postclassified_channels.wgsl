@@ -1,19 +1,19 @@
 // Several channels, a slab the mean of the media at its two ends: extinctions add, and so do sources.
 
-import generated::transfer::{params, ASSOCIATED};
+import generated::transfer::ASSOCIATED;
 import generated::sizes::HAS_EMPTY;
 import package::empty::is_empty;
 import package::optics::make_slab;
 import package::sample::{Sample, Medium, Slab};
 import package::transfer::axes::axis_of;
-import package::transfer::cells::{medium_on, source_of};
+import package::transfer::cells::{function_count, medium_on, source_of};
 import package::transfer::channels::{is_empty_slab, value_of};
 
 struct Known { medium: vec4f }  // source and extinction [1/world]
 
 fn know(here: Sample) -> Known {
   var sum = vec4f(0.0);
-  for (var number = 0u; number < params.count; number++) {
+  for (var number = 0u; number < function_count(); number++) {
     let value = value_of(here.value, number);
     let medium = medium_on(axis_of(number), value);
     // A channel without a sample holds nothing.

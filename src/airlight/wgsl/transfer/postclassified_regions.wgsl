@@ -1,10 +1,9 @@
 // A slab is the mean of the media at its two ends, by the functions of the regions in its middle.
 
-import generated::transfer::params;
 import package::optics::make_slab;
 import package::sample::{Sample, Medium, Slab};
 import package::transfer::axes::axis_of;
-import package::transfer::cells::{medium_on, source_of};
+import package::transfer::cells::{function_count, medium_on, source_of};
 import package::transfer::regions::{is_empty_in_all, region_medium};
 import slot::region::shares_at;
 
@@ -15,7 +14,7 @@ fn empty_slab(front: Sample, back: Sample) -> bool { return is_empty_in_all(fron
 fn classify(front: Sample, back: Sample, length: f32) -> Slab {
   let shares = shares_at(mix(front.p_index, back.p_index, 0.5));
   var sum = vec4f(0.0);
-  for (var number = 0u; number < params.count; number++) {
+  for (var number = 0u; number < function_count(); number++) {
     let axis = axis_of(number);
     let one = medium_on(axis, front.value);
     let other = medium_on(axis, back.value);

@@ -3,19 +3,19 @@
 //
 // Nothing is kept of a sample: of many channels it would be more than processors keep at hand (measured: 3 to 8 times slower).
 
-import generated::transfer::{params, ASSOCIATED};
+import generated::transfer::ASSOCIATED;
 import generated::sizes::HAS_EMPTY;
 import package::empty::is_empty;
 import package::optics::make_slab;
 import package::sample::{Sample, Medium, Slab};
 import package::transfer::axes::axis_of;
-import package::transfer::cells::{medium_on, source_of};
+import package::transfer::cells::{function_count, medium_on, source_of};
 import package::transfer::channels::{is_empty_slab, value_of};
 import package::transfer::straight::mean_along;
 
 fn medium(here: Sample) -> Medium {
   var sum = vec4f(0.0);
-  for (var number = 0u; number < params.count; number++) {
+  for (var number = 0u; number < function_count(); number++) {
     let value = value_of(here.value, number);
     let part = medium_on(axis_of(number), value);
     sum += select(vec4f(source_of(part), part.extinction), vec4f(0.0), HAS_EMPTY && is_empty(value));
@@ -27,7 +27,7 @@ fn empty_slab(front: Sample, back: Sample) -> bool { return is_empty_slab(front,
 
 fn classify(front: Sample, back: Sample, length: f32) -> Slab {
   var sum = vec4f(0.0);
-  for (var number = 0u; number < params.count; number++) {
+  for (var number = 0u; number < function_count(); number++) {
     var s_front = value_of(front.value, number);
     var s_back = value_of(back.value, number);
     var share = 1.0;

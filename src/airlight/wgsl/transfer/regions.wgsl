@@ -3,13 +3,13 @@
 import generated::transfer::{params, ASSOCIATED};
 import package::sample::{Sample, Medium};
 import package::transfer::axes::axis_of;
-import package::transfer::cells::{medium_on, source_of};
+import package::transfer::cells::{function_count, medium_on, source_of};
 import slot::region::{Shares, shares_at};
 
 fn region_medium(here: Sample) -> Medium {
   let shares = shares_at(here.p_index);
   var sum = vec4f(0.0);
-  for (var number = 0u; number < params.count; number++) {
+  for (var number = 0u; number < function_count(); number++) {
     let medium = medium_on(axis_of(number), here.value);
     sum += vec4f(source_of(medium), medium.extinction) * shares.by_function[number];
   }

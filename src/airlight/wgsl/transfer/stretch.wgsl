@@ -100,10 +100,8 @@ fn part_stretch(low: vec4f, high: vec4f, width: f32, rate: f32) -> Stretch {
   let alpha = select(sums.white, 1.0 - through, depth > 0.5);
   var to_low = sums.to_low;
   var to_high = sums.to_high;
-  if (params.associated == 0u) {
-    to_low.x = alpha;
-    to_high.x = alpha;
-  }
+  to_low.x = select(to_low.x, alpha, params.associated == 0u);
+  to_high.x = select(to_high.x, alpha, params.associated == 0u);
   return Stretch(
     width,
     through,
