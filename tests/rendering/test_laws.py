@@ -121,7 +121,8 @@ def test_density_multiplies_extinction(renderer):
     thick = al.Scene(layers=[al.Layer(volume, function(), density=2.5)], camera=camera, background=None)
     by_hand = al.TransferFunction([(v, rgb, 2.5 * extinction) for v, rgb, extinction in function().points])
     scaled = al.Scene(volume, transfer=by_hand, camera=camera, background=None)
-    assert np.array_equal(renderer.render(thick, SIZE).rgba, renderer.render(scaled, SIZE).rgba)
+    # Mesa compiles a program again when it knows its uniforms, and rounds the last bits otherwise then.
+    assert np.abs(renderer.render(thick, SIZE).rgba - renderer.render(scaled, SIZE).rgba).max() <= 1e-12
 
 
 @pytest.mark.parametrize("size", [(1, 1), (3, 200), (257, 5)])
