@@ -339,7 +339,8 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
         world_from_device[:3, 3] = frame.anchor_world
         extra["clips"] = compute.write_storage(device, "clips", pack_clips(frame.clips, world_from_device))
     for band in bands:
-        band.clear()
+        if shown is not None:
+            band.clear()
         covers = {}
         if frame.covers.meshes:
             with frame.clock("meshes"):
@@ -365,7 +366,9 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
         def done(pixels: int, before: int = before) -> None:
             frame.progress("render", before + pixels, total)
 
-        parts = shown.trimmed(tiles(shown.width, band.first_row, band.rows, pace))
+        parts = tiles(shown.width if shown else frame.size_px[0], band.first_row, band.rows, pace)
+        if shown is not None:
+            parts = shown.trimmed(parts)
         run_tiles(device, parts, submit, pace, frame.check, done)
         before += band.pixels
         frame.progress("render", before, total)

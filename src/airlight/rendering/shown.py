@@ -52,22 +52,15 @@ class Columns:
                 yield part
 
 
-def whole_image(size_px: tuple[int, int]) -> Columns:
-    """All pixels."""
-    width, height = size_px
-    return Columns(np.zeros(height, dtype=np.int64), np.full(height, width))
-
-
-def shown_columns(frame: MarchFrame) -> Columns:
-    """Return the pixels in which something may be seen of a frame's layers, or all where it is not known."""
+def shown_columns(frame: MarchFrame) -> Columns | None:
+    """Return the pixels in which something may be seen of a frame's layers; None where it is not known."""
     camera = frame.scene.camera
     told = isinstance(camera, (Perspective, Orthographic)) and keeps_black(frame.scene_stages["tone"])
     if not told or frame.keeps_hits or frame.covers.meshes or any("leaps" not in x.resources["field"] for x in frame.layers):
-        return whole_image(frame.size_px)
+        return None
     corners_px = [on_image(camera, corners_world(frame, layer), frame.size_px) for layer in frame.layers]  # type: ignore[arg-type]
-    if any(corners is None for corners in corners_px):
-        return whole_image(frame.size_px)
-    return columns_of(np.concatenate([corners for corners in corners_px if corners is not None]), frame.size_px)
+    seen = [corners for corners in corners_px if corners is not None]
+    return columns_of(np.concatenate(seen), frame.size_px) if len(seen) == len(corners_px) else None
 
 
 def corners_world(frame: MarchFrame, layer: DrawnLayer) -> FloatArray:
