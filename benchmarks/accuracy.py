@@ -29,15 +29,15 @@ LIGHTS = (al.Light.head(intensity=0.7), al.Light.directional(to_light=(1, -1, 1)
 
 def main(argv: list[str] | None = None) -> int:
     """Compare, print, write; 1 when a bar is missed."""
-    parser = arguments(__doc__, "accuracy", size=256)
+    parser = arguments(__doc__, "accuracy", size=256, step=STEP)
     parser.add_argument("--pixels", type=int, default=2000, help="pixels of each picture that are compared (default: 2000)")
     parser.add_argument("--only", default="", help="only the cases whose name contains this")
-    options = parsed(parser, argv, size=48, pixels=60)
+    options = parsed(parser, argv, size=48, pixels=60, step=0.5)
     started, rows, adapter = time.time(), [], None
-    with al.Renderer() as renderer:
+    with al.Renderer(device=options.device) as renderer:
         for name, scene in cases(options.quick):
             if options.only in name and shows_something(renderer, scene, (options.size, options.size)):
-                found, adapter = compare(renderer, scene, (options.size, options.size), options.pixels)
+                found, adapter = compare(renderer, scene, (options.size, options.size), options.pixels, options.step)
                 for transfer, row in found.items():
                     rows.append({"case": f"{name}, {transfer}"} | row)
                     print(line(rows[-1]), flush=True)
@@ -47,7 +47,7 @@ def main(argv: list[str] | None = None) -> int:
         print(f"\n{transfer}: {sum(of_stage)} of {len(of_stage)} within the bars", end="")
     passed = all(r["passes"] for r in rows)
     print(f"\n\n{'PASS' if passed else 'FAIL'} in {time.time() - started:.0f} s")
-    bars = {"step": STEP, "unshaded_max": ANYWHERE, "shaded_rmse": SHADED_RMSE, "shaded_max_same_steps": ANYWHERE}
+    bars = {"step": options.step, "unshaded_max": ANYWHERE, "shaded_rmse": SHADED_RMSE, "shaded_max_same_steps": ANYWHERE}
     write_json(options.out, machine() | {"adapter": adapter, "quick": options.quick, "bars": bars, "cases": rows})
     return 0 if passed or options.quick else 1
 
@@ -95,20 +95,20 @@ def shows_something(renderer: al.Renderer, scene: al.Scene, size: tuple[int, int
 
 
 def compare(
-    renderer: al.Renderer, scene: al.Scene, size: tuple[int, int], count: int
+    renderer: al.Renderer, scene: al.Scene, size: tuple[int, int], count: int, step: float
 ) -> tuple[dict[str, dict[str, Any]], dict[str, str]]:
     """Errors of one scene by its stages, and the adapter. All of them converge to the same picture."""
-    image = renderer.render(scene, size, step=STEP)
+    image = renderer.render(scene, size, step=step)
     pixels = chosen_pixels(image, count)
-    converged = reference.converged(scene, size, pixels=pixels, step=STEP / 4).rgba
+    converged = reference.converged(scene, size, pixels=pixels, step=step / 4).rgba
     shaded = scene.layers[0].look.shade.name != "none"
     covered = float((image.rgba[..., 3] > 0).mean())
     found = {}
     kinds = [("preintegrated", "sampled"), ("postclassified", "sampled")]
     for transfer, lighting in [*kinds, ("preintegrated", "supersampled")] if shaded else kinds:
         staged = with_stages(scene, transfer=transfer, lighting=lighting)
-        drawn = renderer.render(staged, size, step=STEP).rgba[pixels[:, 1], pixels[:, 0]]
-        same = reference.render(staged, size, step=STEP, pixels=pixels).rgba
+        drawn = renderer.render(staged, size, step=step).rgba[pixels[:, 1], pixels[:, 0]]
+        same = reference.render(staged, size, step=step, pixels=pixels).rgba
         to_same, to_converged = errors(drawn, same), errors(drawn, converged)
         # Pixels that show nothing have no error at all: over the whole picture it is less than over those that are compared.
         to_converged["rmse_of_picture"] = to_converged["rmse"] * covered**0.5

@@ -55,7 +55,7 @@ def arguments(
     return parser
 
 
-def parsed(parser: argparse.ArgumentParser, argv: list[str] | None, **quick: int) -> Any:
+def parsed(parser: argparse.ArgumentParser, argv: list[str] | None, **quick: float) -> Any:
     """Options of the command line; with ``--quick`` these take the place of what it says."""
     options = parser.parse_args(argv)
     if options.quick:

@@ -89,7 +89,7 @@ def measured_rows(device: Device, volume: al.Volume, options: Any) -> list[dict[
         {
             "filter": name,
             "reads": reads(field),
-            "samples": measured[name].result[2],
+            "samples": float(measured[name].result[2].sum()),
             "relative": by_both_clocks(measured[name], measured["linear"]),
             "times": measured[name].summary(),
             "picture error": picture_error(measured[name], frames[name], options),

@@ -56,7 +56,7 @@ def main(argv: list[str] | None = None) -> int:
         print(table(ways))
     finally:
         device.close()
-    sets = directions(volume, 2000 if options.quick else 200_000)
+    sets = directions(volume, 2000, (64, 240)) if options.quick else directions(volume, 200_000, (64, 240, 256, 1024))
     print("\n" + table(sets))
     if options.docs:
         write_pictures(volume, ROOT / "docs" / "guide" / "quantised")
@@ -124,7 +124,7 @@ def bytes_a_voxel(frame: Any) -> float:
 # -- sets of directions
 
 
-def directions(volume: al.Volume, count: int) -> list[dict[str, Any]]:
+def directions(volume: al.Volume, count: int, sizes: tuple[int, ...]) -> list[dict[str, Any]]:
     """Angles of each set: to steep voxels that it was not fitted to, and to directions from everywhere."""
     fitted_to = volume_normals(volume, (0,), 0, seed=0)
     others = np.concatenate([volume_normals(volume, (0,), 0, seed=s) for s in range(1, 1 + max(1, count // len(fitted_to)))])
@@ -133,7 +133,7 @@ def directions(volume: al.Volume, count: int) -> list[dict[str, Any]]:
     rows = []
     makers: dict[str, Callable[[], Any]] = {"dodecahedron 240": dodecahedron}
     makers |= {f"spiral {n}": (lambda n=n: spiral(n)) for n in (240, 256)}  # type: ignore[misc]
-    makers |= {f"annealed {n}": (lambda n=n: annealed(fitted_to, n)) for n in (64, 240, 256, 1024)}  # type: ignore[misc]
+    makers |= {f"annealed {n}": (lambda n=n: annealed(fitted_to, n)) for n in sizes}  # type: ignore[misc]
     for name, make in makers.items():
         start = time.process_time()
         found = make()

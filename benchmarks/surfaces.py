@@ -93,7 +93,7 @@ def measured_case(
             "look": look,
             "surfaces": n,
             "counts": counts,
-            "samples": measured[str(n)].result[2],
+            "samples": float(measured[str(n)].result[2].sum()),
             "alpha_mean": float(measured[str(n)].result[0][..., 3].mean()),
             "times": measured[str(n)].summary(),
             "relative": by_both_clocks(measured[str(n)], measured["1"]),

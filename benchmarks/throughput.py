@@ -101,7 +101,7 @@ def against_plain(device: Device, name: str, drawn: al.Scene, counts: bool, opti
     plain = plain_march(frame)
     measured = side_by_side({"airlight": lambda: draw_march(frame), "plainest": plain.draw}, options.repeats)
     ours, theirs = measured["airlight"], measured["plainest"]
-    samples = {"airlight": ours.result[2], "plainest": theirs.result[1]}
+    samples = {"airlight": float(ours.result[2].sum()), "plainest": theirs.result[1]}
     difference = float(np.abs(ours.result[0] - theirs.result[0]).max())
     # Rates, not times: rays that end early may end one sample apart.
     share = samples["airlight"] / samples["plainest"]
@@ -157,12 +157,12 @@ def breakdown(device: Device, volumes: dict[str, al.Volume], options: Any) -> li
         }
         jobs = {look: (lambda frame=frame: draw_march(frame)) for look, frame in frames.items()}
         for look, measured in side_by_side(jobs, max(1, options.repeats // 2)).items():
-            found = rate(measured, measured.result[2])
+            found = rate(measured, float(measured.result[2].sum()))
             rows.append(
                 {
                     "function": name,
                     "look": look,
-                    "Msamples": measured.result[2] / 1e6,
+                    "Msamples": float(measured.result[2].sum()) / 1e6,
                     "ms": 1e3 * float(np.median(measured.wall)),
                     "M/s wall": found["wall"],
                     "M/s cpu": found["cpu"],

@@ -31,6 +31,7 @@ DATA_SOURCES = {
     "bonsai.nii.gz": "neurolabusc/VolumeRenderingData, MIT (S. Roettger, University of Stuttgart)",
     "fuel.nii.gz": "neurolabusc/VolumeRenderingData, MIT",
     "stroke_T1.nii.gz": "neurolabusc/VolumeRenderingData, MIT",
+    "stroke_FLAIR.nii.gz": "neurolabusc/VolumeRenderingData, MIT",
     "tooth.nrrd": "Kitware/vtk-js-datasets",
     "hydrogen.vti": "VTK examples",
     "ch2.nii.gz": "Debian mricron-data, BSD-3",
@@ -51,6 +52,8 @@ MESHED = {
     "nuclei.ply": ("labels/aal.nii.gz", {37: "#e69f00", 71: "#56b4e9", 73: "#009e73", 75: "#d55e00", 77: "#cc79a7"}),
 }
 """Meshes that entries name: of labels, the first of two sides each, in these colours."""
+SOLIDS = {"brain.ply": ("labels/aal.nii.gz", 2.5)}
+"""Closed meshes that entries name: round all labels, whose border is smoothed over so many voxels."""
 STACKED = {"stroke.nrrd": ("stroke_T1.nii.gz", "stroke_T2.nii.gz", "stroke_FLAIR.nii.gz")}
 
 
@@ -253,6 +256,9 @@ COMPARED = (
 FOG = "-0.009:#56b4e9:0.15 -0.0005:#56b4e9:0 0.0005:#e69f00:0 0.018:#fff0d0:0.6"
 FRONTS = ("#2b83ba", "#3ca7b5", "#6cc3a0", "#abdda4", "#d7eea6", "#fee79a", "#fdc06f", "#f58a4b", "#e5532d", "#c4161c")
 SHELLS = tuple(w for n, c in enumerate(FRONTS) for w in ("--iso", f"{0.6 + 0.28 * n:.2f}:{c}:0.3:#7a3fa0"))
+STEPS_OF_FIVE = ("--step", "5")
+TWO_SURFACES = ("--iso", "90:#b0b8c8:0.25", "--iso", "180:orange:1:maroon")
+BONE_SURFACE = ("--integrate", "first_hit:iso=300", "--tf", "0:#e8dcc4:1 1:#e8dcc4:1")
 SURFACES = (
     Entry(
         "surfaces-ten",
@@ -264,13 +270,52 @@ SURFACES = (
         "surfaces-two",
         "engine.nii.gz",
         "the clear body of the engine; in it its hard parts, opaque",
-        ("--iso", "90:#b0b8c8:0.25", "--iso", "180:orange:1:maroon"),
+        TWO_SURFACES,
     ),
     Entry(
         "surfaces-in-fog",
         "hydrogen",
         "two lobes and a ring as clear surfaces, the charge between them as fog",
         ("--tf", FOG, "--iso", "-0.003:#56b4e9:0.5", "--iso", "0.003:#e69f00:0.3:#d55e00", "--camera", "iso"),
+    ),
+    Entry(
+        "surfaces-five-straight",
+        "engine.nii.gz",
+        "the same at steps of five voxels along straight lines: rings wavy, pins torn",
+        (*TWO_SURFACES, *STEPS_OF_FIVE, "--driver", "march:refine=none"),
+    ),
+    Entry(
+        "surfaces-five",
+        "engine.nii.gz",
+        "the same steps, each surface found where the field has its value: rings round; torn where both sides fall into a step",
+        (*TWO_SURFACES, *STEPS_OF_FIVE),
+    ),
+    Entry(
+        "first-hit-five-straight",
+        "ct_head.nrrd",
+        "bone at steps of five voxels alone: terraces, thin sheets torn",
+        (*BONE_SURFACE, *STEPS_OF_FIVE, "--driver", "march:refine=none,blocks=false"),
+    ),
+    Entry(
+        "first-hit-five",
+        "ct_head.nrrd",
+        "the same steps with blocks and bisection, the default: as at small steps",
+        (*BONE_SURFACE, *STEPS_OF_FIVE),
+    ),
+    Entry(
+        "first-hit-curvature",
+        "ct_head.nrrd",
+        "skin by its mean curvature: round in red (nose, ears), hollows in blue, flat in grey",
+        (
+            *("--integrate", "first_hit:iso=-300,colour_by=mean_curvature,colours=coolwarm,low=-0.25,high=0.25"),
+            *("--field", "bspline", "--gradient", "analytic"),
+        ),
+    ),
+    Entry(
+        "first-hit-distance",
+        "ct_head.nrrd",
+        "bone by its distance from the eye: near in red, far in blue",
+        ("--integrate", "first_hit:iso=300,colour_by=distance,colours=turbo_r"),
     ),
 )
 
@@ -429,6 +474,7 @@ CAMERAS = (
     ),
 )
 
+BRAIN = ("--tf", "30:#402010:0 70:#c08060:0.02 110:#f0d8c0:0.15 200:white:0.5", "--camera", "iso")
 QUARTER = "box:low=[122,-9,80],high=[253,122,169],keep=outside"
 TISSUE = ("--preset", "ct_soft_tissue", "--camera", "iso")
 CLIPS = (
@@ -456,6 +502,18 @@ CLIPS = (
         "an engine with a ball cut out of it: smooth round faces, bores in section",
         (*METAL[:2], "--camera", "iso", "--clip", "sphere:center=[45,-60,55],radius=70,keep=outside,capped=true"),
     ),
+    Entry(
+        "clip-mesh",
+        "ch2.nii.gz",
+        "a brain without its skull, cut out of the head by a closed mesh: folds lit by the gradients behind its surface",
+        (*BRAIN, "--clip", "mesh:file=brain.ply"),
+    ),
+    Entry(
+        "clip-mesh-front",
+        "ch2.nii.gz",
+        "the head opened before the brain, as far as the mesh is seen; skull and skin stand round it and behind it",
+        (*BRAIN, "--clip", "mesh:file=brain.ply,cuts=front"),
+    ),
     Entry("crop", "bonsai.nii.gz", "the crown of a bonsai, cropped to a box of voxels", ("--crop", "40:216,40:216,110:")),
 )
 
@@ -480,6 +538,40 @@ MESHES = (
     ),
 )
 
+LAYERED = (
+    Entry(
+        "layers-lesion",
+        "ch2.nii.gz",
+        "a bright lesion, of the scan of a patient on a turned grid, within an averaged head seen through",
+        (
+            *("--tf", "40:#806050:0 90:#c09070:0.006 200:#fff0e0:0.03", "--camera", "-240,-370,170,0,17,15"),
+            *("--layer", "stroke_FLAIR.nii.gz:tf=170:#d02020:0 200:#ff4020:0.6 250:#ffd060:3", "--background", "#202830"),
+        ),
+    ),
+)
+
+NOTED = ("--scale-bar", "--color-bar", "--grid", "--camera", "iso", "--size", "640x480")
+ANNOTATED = (
+    Entry(
+        "annotated-head",
+        "ct_head.nrrd",
+        "a skull in a grid of millimetres, numbers along its lower and left edges, letters of directions at the sides",
+        (*NOTED, "--axes", "--orientation"),
+    ),
+    Entry(
+        "annotated-cells",
+        "cellfinder_2ch_crop.ome.tif",
+        "cells and the brain around them, a colour bar for each channel, lengths in micrometres",
+        (*NOTED, "--channels", "all"),
+    ),
+    Entry(
+        "annotated-wave",
+        "hydrogen",
+        "dark writing on white; an arrow that ends at the top of the upper lobe, and its name",
+        (*NOTED, "--background", "white", "--pointer", "0,0,34:shape=arrow,size_px=80,color=#2e8b57,label=lobe"),
+    ),
+)
+
 SECTIONS = {
     "First pictures": (FIRST, "Chosen from the data alone."),
     "Labels": (LABELLED, "Regions of a second volume, beside the image."),
@@ -492,6 +584,8 @@ SECTIONS = {
     "Cameras": (CAMERAS, "From inside, all round, and for two eyes."),
     "Surfaces": (SURFACES, "Surfaces of equal value: sheets without width, each side in its own colour."),
     "Meshes": (MESHES, "Surfaces of triangles among volumes, in right order."),
+    "Layers": (LAYERED, "Several volumes, each in its own place and on its own grid."),
+    "Annotations": (ANNOTATED, "What helps to read a picture: scale bar, colour bar, grid, axes, letters, pointer."),
     "Clips": (CLIPS, "Planes, boxes and spheres, of which one side is drawn."),
 }
 ENTRIES = tuple(entry for entries, _ in SECTIONS.values() for entry in entries)
@@ -582,10 +676,13 @@ def render_by_command(entry: Entry, data: Path, target: Path, told: Path) -> dic
     if entry.volume in STACKED:
         path = target.with_name(entry.volume)
         save(stacked([data / part for part in STACKED[entry.volume]]), path)
-    options = [str(data / word) if word in DATA_SOURCES else word for word in entry.options]
+    options = [str(data / word) if word.partition(":")[0] in DATA_SOURCES else word for word in entry.options]
     for name in set(MESHED) & {word.partition(":")[0] for word in options}:
         write_meshes(data / MESHED[name][0], MESHED[name][1], target.with_name(name))
         options = [str(target.with_name(word)) if word.startswith(name) else word for word in options]
+    for name in (name for name in SOLIDS if any(f"file={name}" in word for word in options)):
+        write_solid(data / SOLIDS[name][0], SOLIDS[name][1], target.with_name(name))
+        options = [word.replace(f"file={name}", f"file={target.with_name(name)}") for word in options]
     drawn = entry.verb == "render"
     words = [entry.verb, str(path), "-o", str(target), *options]
     words += ["--stats", str(told)] if drawn else []
@@ -617,6 +714,22 @@ def write_meshes(labels: Path, colours: dict[int, str], target: Path) -> None:
         there = mesh.vertices @ mesh.matrix[:3, :3].T + mesh.matrix[:3, 3]
         parts.append(trimesh.Trimesh(there, mesh.faces, vertex_colors=rgb, process=False))
     trimesh.util.concatenate(parts).export(target)
+
+
+def write_solid(labels: Path, width: float, target: Path) -> None:
+    """Write the smoothed border of all labelled regions as one closed mesh."""
+    import numpy as np
+    import trimesh
+    from scipy.ndimage import gaussian_filter
+    from surface_mesh import shift, surface_mesh
+
+    import airlight as al
+
+    volume, rim = al.open(labels), int(4 * width)
+    is_there = np.pad(volume.array > 0, rim).astype(np.float32)
+    mesh = surface_mesh(gaussian_filter(is_there, width), 0.5).moved(volume.world_from_index @ shift((-rim,) * 3))
+    there = mesh.vertices @ mesh.matrix[:3, :3].T + mesh.matrix[:3, 3]
+    trimesh.Trimesh(there, mesh.faces, process=False).export(target)
 
 
 def stacked(paths: list[Path]) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from pathlib import Path
 
@@ -16,6 +17,13 @@ settings.register_profile("ci", deadline=None, derandomize=True, suppress_health
 settings.load_profile("ci")
 
 ROOT = Path(__file__).parent.parent
+KEEP_BYTES = 1 << 30  # thousands of programs are drawn with: those of tests that are over need not stay
+
+
+def pytest_collection_finish() -> None:
+    """What was collected stays: whoever collects garbage need not look at thousands of tests again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True)
@@ -40,7 +48,7 @@ def data_dir() -> Path:
 
 @pytest.fixture(scope="session")
 def renderer():
-    with al.Renderer() as made:
+    with al.Renderer(keep_bytes=KEEP_BYTES) as made:
         yield made
 
 
@@ -50,7 +58,7 @@ def core_renderer():
     before = os.environ.get("AIRLIGHT_CORE")
     os.environ["AIRLIGHT_CORE"] = "1"
     try:
-        with al.Renderer() as made:
+        with al.Renderer(keep_bytes=KEEP_BYTES) as made:
             made.warm_up()
             made._thread.submit(lambda job: None).result()
             _restore(before)

@@ -122,8 +122,26 @@ def test_crossings(benchmark_named, tmp_path):
     assert {row["refine"] for row in found["times"]} == {"none", "bisection", "secant", "exact"}
 
 
+def test_layers(benchmark_named, tmp_path):
+    found = run(benchmark_named("layers"), tmp_path / "out.json")
+    assert {row["layers"] for row in found["rows"]} == {"overlapping", "beside", "twice"}
+    assert all(row["ms"] > 0 for row in found["rows"])
+
+
 def test_clips(benchmark_named, tmp_path):
     found = run(benchmark_named("clips"), tmp_path / "out.json")
-    assert [row["cutting"] for row in found["rows"]] == [0, 1, 20, 4]
+    assert [row["cutting"] for row in found["rows"]] == [0, 1, 20, 4, 5]
     assert found["rows"][0]["samples"] == pytest.approx(1, abs=0.01)
     assert all(row["samples"] < 1 for row in found["rows"][1:3])
+
+
+def test_tolerance(benchmark_named, tmp_path):
+    found = run(benchmark_named("tolerance"), tmp_path / "out.json")
+    assert found["passed"]
+    assert any(row["tolerance"] is None and row["true"] > 0.01 for row in found["rows"])
+
+
+def test_skipping(benchmark_named, tmp_path):
+    found = run(benchmark_named("skipping"), tmp_path / "out.json")
+    assert all(row["apart x255"] <= 1 for row in found["scenes"])
+    assert next(bar for bar in found["bars"] if bar["bar"] == "tree: steps a ray")["met"]

@@ -15,7 +15,11 @@ from airlight.errors import DataError, ValueRangeError
 
 numbers = st.floats(-1e3, 1e3)
 vectors = st.tuples(numbers, numbers, numbers)
-common = {"keep": st.sampled_from(["inside", "outside"]), "capped": st.booleans()}
+common = {
+    "keep": st.sampled_from(["inside", "outside"]),
+    "capped": st.booleans(),
+    "cuts": st.sampled_from(["volume", "front", "back"]),
+}
 directions = vectors.filter(lambda v: np.linalg.norm(v) > 1e-3)
 boxes = st.builds(
     lambda low, sides, moved, **rest: al.Clip.box(
@@ -70,7 +74,10 @@ def test_scene_files(tmp_path_factory, made, own):
         (lambda: al.Clip.box(low=(0, 0, 0), high=(1, 1, 1), world_from_box="turn"), "clip.world_from_box is 'turn'"),
         (lambda: al.Clip.plane(point=(0, 0, 0), normal=(0, 0, 1), keep="front"), "clip.keep is 'front', must be one of inside"),
         (lambda: al.Clip.sphere(center=(0, 0, 0), radius=2, capped="yes"), "clip.capped is 'yes', must be true or false"),
-        (lambda: al.Clip.from_dict({"kind": "cone"}), "clip.kind is 'cone', must be one of plane, box, sphere"),
+        (lambda: al.Clip.sphere(center=(0, 0, 0), radius=2, cuts="side"), "clip.cuts is 'side', must be one of volume, front"),
+        (lambda: al.Clip.from_dict({"kind": "cone"}), "clip.kind is 'cone', must be one of plane, box, sphere, mesh"),
+        (lambda: al.Clip.from_dict({"kind": "mesh"}), "clip.file is missing: name the file of a closed mesh"),
+        (lambda: al.Clip.from_dict({"kind": "mesh", "file": "a.stl", "color": "red"}), "clip.color is no parameter of mesh"),
         (lambda: al.Clip.from_dict({"kind": "sphere", "radius": 2}), "clip.center is missing"),
         (lambda: al.Clip.from_dict({"kind": "sphere", "point": 2}), "clip.point is no parameter of sphere"),
     ],
@@ -95,6 +102,51 @@ def test_a_scene_file_names_line_and_key(tmp_path):
     path.write_text("[[clips]]\nkind='sphere'\ncenter=[0,0,0]\nradius=0\n[[layers]]\nvolume='a.nrrd'")
     with pytest.raises(ValueRangeError, match=r"scene.toml:4: clips\[0\].radius is 0, must be above 0"):
         al.load_scene(path)
+
+
+PYRAMID = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+SIDES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+
+
+def test_what_a_mesh_that_clips_may_not_be():
+    for make, message in (
+        (lambda: al.Clip.mesh(al.Mesh(PYRAMID, SIDES[1:])), "clip.mesh has 3 edges without a neighbour .* it is open"),
+        (lambda: al.Clip.mesh(al.Mesh(PYRAMID, [SIDES[0][::-1], *SIDES[1:]])), "some faces are turned over"),
+        (lambda: al.Clip.mesh(al.Mesh(PYRAMID[:3], [[0, 1, 2], [0, 2, 1]])), "clip.mesh encloses nothing"),
+        (lambda: al.Clip.mesh(al.Mesh(np.where(PYRAMID == 1, np.nan, 0), SIDES)), "3 points that are not finite, the first"),
+        (lambda: al.Clip.mesh("skull.stl"), "use airlight.Mesh.open"),
+    ):
+        with pytest.raises(DataError, match=message):
+            make()
+    assert al.Clip.mesh(al.Mesh(PYRAMID, SIDES)).closed.outward == 1
+    assert al.Clip.mesh(al.Mesh(PYRAMID, SIDES[:, ::-1])).closed.outward == -1
+    assert al.Clip.mesh(al.Mesh(PYRAMID, SIDES, world_from_mesh=np.diag([-1, 1, 1, 1]))).closed.outward == -1
+
+
+def test_a_mesh_that_clips_is_named_by_its_file(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.Trimesh(PYRAMID, SIDES).export(tmp_path / "pyramid.stl")
+    trimesh.Trimesh(PYRAMID, SIDES[1:]).export(tmp_path / "open.stl")
+    shift = np.eye(4)
+    shift[:3, 3] = 2
+    mesh = al.Mesh.open(tmp_path / "pyramid.stl", world_from_mesh=shift)
+    clip = al.Clip.mesh(mesh, keep="outside", capped=True, cuts="back")
+    layer = al.Layer(al.Volume(np.zeros((2, 2, 2), np.float32)), clips=[al.Clip.mesh(mesh)])
+    path = tmp_path / "scene.toml"
+    al.save_scene(al.Scene(layers=[layer], clips=[clip]), path, embed=tmp_path / "volume.nrrd")
+    assert 'file = "pyramid.stl"' in path.read_text()
+    back, _ = al.load_scene(path)
+    assert back.clips == (clip,)
+    assert back.layers[0].clips == layer.clips
+    with pytest.raises(DataError, match=r"clip\.mesh came from no file"):
+        al.Clip.mesh(al.Mesh(PYRAMID, SIDES)).to_dict()
+    (data,) = parse_clips([f"mesh:file={tmp_path}/pyramid.stl,keep=outside,world_from_mesh={shift.ravel().tolist()}"])
+    assert al.Clip.from_dict(data) == al.Clip.mesh(mesh, keep="outside")
+    with pytest.raises(DataError, match=r"--clip.mesh has 3 edges without"):
+        parse_clips([f"mesh:file={tmp_path}/open.stl"])
+    path.write_text("[[clips]]\nkind='mesh'\nfile='../pyramid.stl'\n[[layers]]\nvolume='a.nrrd'")
+    with pytest.raises(al.FileError, match="outside of the folder of an untrusted scene"):
+        al.load_scene(path, untrusted=True)
 
 
 def test_a_wedge_is_a_box_that_is_sheared():

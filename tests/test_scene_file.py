@@ -331,7 +331,7 @@ integrate = "mip"
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("colour = 3\n[[layers]]\nvolume='a.nrrd'", r"scene.toml:1: colour is unknown: known here: background, camera"),
+        ("colour = 3\n[[layers]]\nvolume='a.nrrd'", r"scene.toml:1: colour is unknown: known here: annotations, background"),
         ("[[layers]]\nvolume='a.nrrd'\nalpha = 3", r"scene.toml:3: layers\[0\].alpha is unknown"),
         ("[[layers]]\nvolume='a.nrrd'\n[[layers]]\n\nvolume=3", r"scene.toml:5: layers\[1\].volume is 3, must be a table"),
         ("[[layers]]\ndensity = 1.0", r"layers\[0\].volume is missing"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from .annotations import Axes, ColorBar, Grid, Orientation, Pointer, ScaleBar
 from .api import devices, edit, explain, relight, render, warm_up
 from .clips import Clip
 from .environment import Environment
@@ -49,15 +50,18 @@ __all__ = [
     "I32",
     "U32",
     "AirlightError",
+    "Axes",
     "Bool",
     "Camera",
     "Channel",
     "Channels",
     "Clip",
+    "ColorBar",
     "DataError",
     "DeviceError",
     "Environment",
     "FileError",
+    "Grid",
     "Image",
     "JointFunction",
     "LabelStyle",
@@ -69,10 +73,13 @@ __all__ = [
     "Look",
     "Mesh",
     "MissingExtraError",
+    "Orientation",
     "Picked",
+    "Pointer",
     "Points",
     "RayProfile",
     "Renderer",
+    "ScaleBar",
     "Scene",
     "ShaderError",
     "Stage",

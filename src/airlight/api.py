@@ -27,6 +27,8 @@ def render(
     driver: str | Stage = "march",
     step: float = 1.0,
     skip: str = "auto",
+    tolerance: float | None = None,
+    budget_ms: float | None = None,
     keep_hits: bool = False,
     device: str | int | None = None,
     progress: Progress | None = None,
@@ -47,6 +49,13 @@ def render(
         Distance between samples, in smallest voxel spacings.
     skip
         How empty space is skipped; never changes the image.
+    tolerance
+        Bound of the error of every pixel and channel of ``rgba``, in [1e-5, 1): the picture is drawn with smaller and smaller
+        steps, where it still changes, and without tables and early ends. ``stats["tolerance"]`` tells the estimate and how
+        many pixels, if any, it leaves over the bound.
+    budget_ms
+        Milliseconds that the frame may take: scale and step follow from what frames like it took. What is drawn smaller is
+        enlarged, and ``stats["budget"]`` says so.
     keep_hits
         Keep what was found at surfaces (``first_hit``): ``image.normal``, and what ``relight`` needs; of
         ``emission_absorption`` the normals where opacity passes one half.
@@ -77,7 +86,8 @@ def render(
 
     check_size(size)
     scene = as_scene(what, size, progress)
-    return shared(device).render(scene, size, driver=driver, step=step, skip=skip, keep_hits=keep_hits, progress=progress)
+    options: dict[str, Any] = {"tolerance": tolerance, "budget_ms": budget_ms, "keep_hits": keep_hits, "progress": progress}
+    return shared(device).render(scene, size, driver=driver, step=step, skip=skip, **options)
 
 
 def relight(image: Image, scene: Scene, *, device: str | int | None = None, progress: Progress | None = None) -> Image:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
@@ -12,18 +12,21 @@ import numpy as np
 import numpy.typing as npt
 
 from .errors import DataError, ValueRangeError
-from .transfer.given import direction, finite_numbers, flag, listed, positive, set_fields
+from .geometry.mesh import Mesh
+from .geometry.saving import SOLID_ENTRIES, solid_from_dict, to_dict
+from .transfer.given import check_names, direction, finite_numbers, flag, kind_of, listed, positive, set_fields
 from .volume import FloatArray, checked_affine
 
 Vector = tuple[float, float, float]
 Row = tuple[float, float, float, float]
 
 KEEP = ("inside", "outside")
+CUTS = ("volume", "front", "back")
 
 
 @dataclass(frozen=True)
 class Clip:
-    """Part of the world that is drawn; make one with ``Clip.plane``, ``Clip.box`` or ``Clip.sphere``.
+    """Part of the world that is drawn; make one with ``Clip.plane``, ``.box``, ``.sphere`` or ``.mesh``.
 
     A point is drawn when every clip keeps it. Slabs end where rays pass a clip's surface, whatever the step.
 
@@ -33,38 +36,63 @@ class Clip:
         Which side is drawn: ``"inside"`` or ``"outside"`` of the shape. Inside of a plane is where its normal points to.
     capped
         Whether the cut is drawn as a solid face, in the colours of the transfer function, wherever that has an extinction.
+    cuts
+        What of a ray that meets the shape is cut away: ``"volume"``, what lies on the other side. ``"front"``, only what is in
+        front: the ray begins where it enters what is kept inside, or behind the shape that is cut away. ``"back"``, only what
+        is behind: it ends behind what is kept inside, or before the shape, as at something opaque. With these two, rays that
+        miss the shape stay whole.
     """
 
     kind: ClassVar[str] = "none"
     keep: str = dataclasses.field(default="inside", kw_only=True)
     capped: bool = dataclasses.field(default=False, kw_only=True)
+    cuts: str = dataclasses.field(default="volume", kw_only=True)
 
     def __post_init__(self) -> None:
         """Check the values."""
-        if self.keep not in KEEP:
-            raise ValueRangeError("clip.keep", f"is {self.keep!r}, must be one of {', '.join(KEEP)}")
+        for name, allowed in (("keep", KEEP), ("cuts", CUTS)):
+            if getattr(self, name) not in allowed:
+                raise ValueRangeError(f"clip.{name}", f"is {getattr(self, name)!r}, must be one of {', '.join(allowed)}")
         set_fields(self, capped=flag(self.capped, "clip.capped"))
 
     @staticmethod
-    def plane(*, point: Vector, normal: Vector, keep: str = "inside", capped: bool = False) -> Plane:
+    def plane(*, point: Vector, normal: Vector, keep: str = "inside", capped: bool = False, cuts: str = "volume") -> Plane:
         """Half of the world: the side of a plane through ``point`` that ``normal`` points to."""
-        return Plane(point, normal, keep=keep, capped=capped)
+        return Plane(point, normal, keep=keep, capped=capped, cuts=cuts)
 
     @staticmethod
     def box(
-        *, low: Vector, high: Vector, world_from_box: npt.ArrayLike | None = None, keep: str = "inside", capped: bool = False
+        *,
+        low: Vector,
+        high: Vector,
+        world_from_box: npt.ArrayLike | None = None,
+        keep: str = "inside",
+        capped: bool = False,
+        cuts: str = "volume",
     ) -> Box:
         """Box from ``low`` to ``high``, in the world or in coordinates that ``world_from_box`` maps to it.
 
         ``world_from_box`` is a matrix (4, 4), or a turn (3, 3); with ``volume.world_from_index`` the box is one of voxels. A
         box that it shears is a wedge.
         """
-        return Box(low, high, world_from_box, keep=keep, capped=capped)  # type: ignore[arg-type]  # rows are made there
+        rows: Any = world_from_box  # they are made there
+        return Box(low, high, rows, keep=keep, capped=capped, cuts=cuts)
 
     @staticmethod
-    def sphere(*, center: Vector, radius: float, keep: str = "inside", capped: bool = False) -> Sphere:
+    def sphere(*, center: Vector, radius: float, keep: str = "inside", capped: bool = False, cuts: str = "volume") -> Sphere:
         """Sphere, in world units."""
-        return Sphere(center, radius, keep=keep, capped=capped)
+        return Sphere(center, radius, keep=keep, capped=capped, cuts=cuts)
+
+    @staticmethod
+    def mesh(mesh: Any, *, keep: str = "inside", capped: bool = False, cuts: str = "volume") -> Solid:
+        """Closed mesh, an ``airlight.Mesh`` or what makes one; its colours do not matter.
+
+        Raises
+        ------
+        DataError
+            For meshes that are open, or enclose nothing.
+        """
+        return Solid(mesh, keep=keep, capped=capped, cuts=cuts)
 
     @property
     def unit_from_world(self) -> FloatArray:
@@ -77,22 +105,23 @@ class Clip:
         return {"kind": self.kind} | {name: _plain(value) for name, value in values.items() if value is not None}
 
     @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> Clip:
-        """Return the clip that ``to_dict`` wrote, or a person.
+    def from_dict(data: Mapping[str, Any], place: Callable[[str], str] = str) -> Clip:
+        """Return the clip that ``to_dict`` wrote, or a person; ``place`` finds a file that is named relative to another.
 
         Raises
         ------
         ValueRangeError
             For entries that are unknown, missing or not legal; it names them.
         """
-        kind = data.get("kind")
-        if not isinstance(kind, str) or kind not in KINDS:
-            raise ValueRangeError("clip.kind", f"is {kind!r}, must be one of {', '.join(KINDS)}")
+        kind = kind_of(data, KINDS, "clip")
+        if kind == "mesh" and "closed" not in data:
+            common = {f.name for f in dataclasses.fields(Clip)}
+            check_names(data, (*SOLID_ENTRIES, *common), "clip", kind)
+            solid = solid_from_dict({name: value for name, value in data.items() if name in SOLID_ENTRIES}, place)
+            data = {"closed": solid} | {name: value for name, value in data.items() if name not in SOLID_ENTRIES}
         known = {f.name: f for f in dataclasses.fields(KINDS[kind])}
         given = {name: value for name, value in data.items() if name != "kind"}
-        for name in given:
-            if name not in known:
-                raise ValueRangeError(f"clip.{name}", f"is no parameter of {kind}", f"it has {', '.join(known)}")
+        check_names(data, known, "clip", kind)
         for name, field in known.items():
             if field.default is dataclasses.MISSING and name not in given:
                 raise ValueRangeError(f"clip.{name}", "is missing", f"a {kind} needs {', '.join(_needed(kind))}")
@@ -170,7 +199,34 @@ class Sphere(Clip):
         return np.column_stack([np.eye(3), -np.array(self.center)]) / self.radius
 
 
-KINDS: dict[str, type[Clip]] = {cls.kind: cls for cls in (Plane, Box, Sphere)}
+@dataclass(frozen=True)
+class Solid(Clip):
+    """What a closed mesh encloses: where the faces round a point look out in sum."""
+
+    kind: ClassVar[str] = "mesh"
+    closed: Mesh
+
+    def __post_init__(self) -> None:
+        """Check the values."""
+        super().__post_init__()
+        closed = self.closed if isinstance(self.closed, Mesh) else Mesh(self.closed)
+        set_fields(self, closed=closed)
+        assert closed.outward  # told while the clip is made, not while it is drawn
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data; the mesh is named by its file.
+
+        Raises
+        ------
+        DataError
+            For meshes that came from no file, or were changed since.
+        """
+        named = to_dict(self.closed, "clip.mesh")
+        common = {f.name: getattr(self, f.name) for f in dataclasses.fields(Clip)}
+        return {"kind": self.kind} | {name: named[name] for name in SOLID_ENTRIES if name in named} | common
+
+
+KINDS: dict[str, type[Clip]] = {cls.kind: cls for cls in (Plane, Box, Sphere, Solid)}
 
 
 def checked_clips(given: Iterable[Clip], where: str) -> tuple[Clip, ...]:
@@ -184,7 +240,7 @@ def checked_clips(given: Iterable[Clip], where: str) -> tuple[Clip, ...]:
     clips = listed(given, where, "pass a list: clips=[airlight.Clip.plane(point=..., normal=...)]")
     for clip in clips:
         if not isinstance(clip, Clip) or clip.kind not in KINDS:
-            raise DataError(where, f"holds {clip!r}", "make clips with Clip.plane(), .box() or .sphere()")
+            raise DataError(where, f"holds {clip!r}", "make clips with Clip.plane(), .box(), .sphere() or .mesh()")
     return clips
 
 

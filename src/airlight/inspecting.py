@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .errors import ValueRangeError
+from .errors import DataError, ValueRangeError
 from .reference import prepare
 from .reference.field import field_scalar, field_value
 from .reference.gradient import field_gradient
@@ -32,8 +32,13 @@ def layer_of(scene: Scene, number: int) -> Layer:
     ------
     ValueRangeError
         When there is none of this number.
+    DataError
+        When no layer is visible at all.
     """
     visible = scene.visible_layers
+    if not visible:
+        remedy = "airlight.pick(image, scene, pixel) tells the point alone, of meshes too"
+        raise DataError("scene", "shows no volume, whose values could be told", remedy)
     number = whole(number, "layer", 0)
     if number >= len(visible):
         raise ValueRangeError("layer", f"is {number}, and {len(visible)} layers are visible")

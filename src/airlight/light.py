@@ -9,7 +9,7 @@ from typing import Any
 from .errors import ValueRangeError
 from .transfer import linear_rgb
 from .transfer.colour import Colour
-from .transfer.given import direction, finite_numbers, not_negative, positive, set_fields
+from .transfer.given import check_names, direction, finite_numbers, kind_of, not_negative, positive, set_fields
 
 Vector = tuple[float, float, float]
 
@@ -88,14 +88,10 @@ class Light:
         ValueRangeError
             For entries that are unknown, missing or not legal; it names them.
         """
-        kind = data.get("kind")
-        if not isinstance(kind, str) or kind not in VECTORS:
-            raise ValueRangeError("light.kind", f"is {kind!r}, must be one of {', '.join(VECTORS)}")
+        kind = kind_of(data, VECTORS, "light")
         vector = VECTORS[kind]
         known = (*([vector] if vector else []), "color", "intensity", *(["radius"] if kind == "point" else []))
-        for name in data:
-            if name not in ("kind", *known):
-                raise ValueRangeError(f"light.{name}", f"is no parameter of {kind}", f"it has {', '.join(known)}")
+        check_names(data, known, "light", kind)
         if vector is not None and vector not in data:
             raise ValueRangeError(f"light.{vector}", "is missing", f"e.g. {vector} = [0, -1, 1]")
         given = {"color": (1.0, 1.0, 1.0), **data}

@@ -11,9 +11,12 @@ import numpy as np
 
 from .errors import DataError, ValueRangeError
 from .first_picture import resolve, resolved_camera
-from .inspecting import gradients_at, labels_at, layer_of, pieces, setup_of, values_at
-from .scene import Scene
+from .inspecting import gradients_at, labels_at, layer_of, pieces, sample_at, setup_of, values_at
+from .reference.integrate import INTEGRATES, EmissionAbsorption
+from .reference.setup import Sample, Setup
+from .scene import Scene, check_scene
 from .transfer.given import listed
+from .volume import FloatArray
 
 if TYPE_CHECKING:
     from .rendering.image import Image
@@ -40,6 +43,8 @@ class Picked:
         Gradient of the field in data units per world unit, of the first channel, or the mixture that is drawn.
     label, label_name
         Label of the voxel there, and its name; None without labels.
+    layer
+        Number of the visible layer that these are of.
     """
 
     p_world: Point
@@ -49,6 +54,7 @@ class Picked:
     gradient: Point
     label: int | None = None
     label_name: str | None = None
+    layer: int = 0
 
     @property
     def value(self) -> float:
@@ -63,13 +69,15 @@ class Picked:
         return x, y, z
 
 
-def picked(image: Image, scene: Scene, pixel: tuple[int, int], layer: int = 0) -> Picked | None:
+def picked(image: Image, scene: Scene, pixel: tuple[int, int], layer: int | None = None) -> Picked | None:
     """Return what a pixel shows of one of the visible layers; None where the image has no depth. See ``image.pick``."""
     point = pick(image, scene, pixel)
     if point is None:
         return None
     scene = resolve(scene, image.size)
-    chosen, p_world = layer_of(scene, layer), np.array([point])
+    p_world = np.array([point])
+    number = seen_layer(scene, p_world, image.size) if layer is None else layer
+    chosen = layer_of(scene, number)
     setup = setup_of(scene, chosen, image.size)
     ((_, near),) = pieces(setup, p_world)
     p_index = setup.index_of(p_world)[0]
@@ -87,7 +95,34 @@ def picked(image: Image, scene: Scene, pixel: tuple[int, int], layer: int = 0) -
         gradient=(slope_x, slope_y, slope_z),
         label=label,
         label_name=None if label is None or chosen.labels is None else chosen.labels.name_of(label),
+        layer=number,
     )
+
+
+def seen_layer(scene: Scene, p_world: FloatArray, size_px: tuple[int, int]) -> int:
+    """Number of the visible layer that shows most at a point (1, 3): the most opaque one, or whose surface is nearest."""
+    visible = scene.visible_layers
+    if len(visible) <= 1:
+        return 0
+    shown = []
+    for layer in visible:
+        setup = setup_of(scene, layer, size_px)
+        ((_, near),) = pieces(setup, p_world)
+        low, high = setup.domain
+        here = sample_at(near, p_world, np.zeros(1))
+        inside = ((here.p_index >= low - ALLOWANCE) & (here.p_index <= high + ALLOWANCE)).all()
+        shown.append(_strength(near, here) if inside and not here.empty[0] else -np.inf)
+    return int(np.argmax(shown))
+
+
+def _strength(setup: Setup, here: Sample) -> float:
+    """Opacity of a voxel's length of what lies at a sample; of surfaces how near they are, as a negative distance."""
+    integrate = INTEGRATES[setup.stages["integrate"].name](setup)
+    if not integrate.has_surface:
+        alpha = EmissionAbsorption(setup).classify(here, here, np.array([setup.spacing_world])).alpha
+        return float(alpha[0])
+    slope = float(np.linalg.norm(gradients_at(setup, here.p_world)[0]))
+    return -abs(float(np.atleast_2d(here.value)[0, 0]) - integrate.level) / max(slope, 1e-30)
 
 
 def pick(image: Image, scene: Scene, pixel: tuple[int, int]) -> tuple[float, float, float] | None:
@@ -123,8 +158,7 @@ def pick(image: Image, scene: Scene, pixel: tuple[int, int]) -> tuple[float, flo
     """
     if not hasattr(image, "depth"):
         raise DataError("image", f"is a {type(image).__name__}", "pass what airlight.render returned, then the scene")
-    if not isinstance(scene, Scene):
-        raise DataError("scene", f"is a {type(scene).__name__}", "pass the airlight.Scene that the image shows")
+    check_scene(scene, "pass the airlight.Scene that the image shows")
     width, height = image.size
     parts: tuple[int, ...] = listed(pixel, "pixel", "give (column, row)")
     if len(parts) != 2:

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .errors import DataError, ValueRangeError
+from .errors import ValueRangeError
 from .first_picture import resolve
 from .inspecting import labels_at, layer_of, pieces, sample_at, setup_of, values_at
-from .reference.clips import kept_by_all
+from .reference.clips import kept_along
 from .reference.clips import pieces as clipped
 from .reference.integrate import EmissionAbsorption
 from .reference.march import span
 from .reference.setup import Setup
-from .scene import Scene
+from .scene import Scene, check_scene
 from .stage import make_stage
 from .transfer.given import check_size, listed
 from .volume import FloatArray
@@ -106,8 +106,7 @@ def ray_profile(
     >>> ray.t_world.shape == ray.opacity.shape
     True
     """
-    if not isinstance(scene, Scene):
-        raise DataError("scene", f"is a {type(scene).__name__}", "pass the airlight.Scene that the image shows")
+    check_scene(scene, "pass the airlight.Scene that the image shows")
     if not (isinstance(step, (int, float)) and 1e-3 <= step <= 1e3):
         raise ValueRangeError("step", f"is {step!r}, must lie in [0.001, 1000] voxels")
     check_size(size)
@@ -123,8 +122,8 @@ def ray_profile(
         none = np.zeros(0)
         return RayProfile(t_world, p_world, none, none, np.zeros((0, 3)), none, labels_at(chosen, p_world))
     value, extinction, source, alpha = (_joined([part[n] for part in parts], shared=n < 3) for n in range(4))
-    drawn = kept_by_all(setup.clips, p_world)
-    slab_drawn = kept_by_all(setup.clips, (p_world[1:] + p_world[:-1]) / 2)
+    ray = setup.clips, origin[None], direction[None]
+    drawn, slab_drawn = (kept_along(*ray, t[None])[0] for t in (t_world, (t_world[1:] + t_world[:-1]) / 2))
     opacity = 1 - np.concatenate([[1.0], np.cumprod(1 - alpha * slab_drawn)])
     return RayProfile(t_world, p_world, value, extinction * drawn, source * drawn[:, None], opacity, labels_at(chosen, p_world))
 

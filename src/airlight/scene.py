@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from . import stages
+from .annotations import Annotation, checked_annotations
 from .clips import Clip, checked_clips
 from .environment import Environment
 from .errors import DataError, StageError, ValueRangeError
@@ -249,6 +250,9 @@ class Scene:
         the scene: the tone stage maps it, too, and the image is opaque.
     clips
         ``Clip``s of all layers: what every one of them keeps is drawn.
+    annotations
+        What is drawn beside the data: ``ScaleBar``, ``ColorBar``, ``Grid``, ``Axes``, ``Orientation``, ``Pointer``. Lines and
+        arrows share their depth with all else; what is written lies over the finished picture and is not in ``image.rgba``.
     """
 
     layers: tuple[Layer, ...]
@@ -257,6 +261,7 @@ class Scene:
     background: Vector | Environment | None
     meshes: tuple[Mesh | Lines | Points, ...]
     clips: tuple[Clip, ...]
+    annotations: tuple[Annotation, ...]
 
     def __init__(
         self,
@@ -275,6 +280,7 @@ class Scene:
         background: Colour | Environment | None = (0.0, 0.0, 0.0),
         clips: Iterable[Clip] = (),
         meshes: Iterable[Mesh | Lines | Points] = (),
+        annotations: Iterable[Annotation] = (),
     ) -> None:
         meshes = listed(meshes, "scene.meshes", "pass meshes=[airlight.Mesh(vertices, faces)]")
         layers = () if meshes and volume is None and layers is None else layers
@@ -302,6 +308,7 @@ class Scene:
         object.__setattr__(self, "background", background)
         object.__setattr__(self, "clips", checked_clips(clips, "scene.clips"))
         object.__setattr__(self, "meshes", meshes)
+        object.__setattr__(self, "annotations", checked_annotations(annotations, "scene.annotations"))
         for mesh in meshes:
             if not isinstance(mesh, Mesh | Lines | Points):
                 raise DataError("scene.meshes", f"holds a {type(mesh).__name__}", "make it an airlight.Mesh, Lines or Points")
@@ -319,6 +326,18 @@ class Scene:
     def clips_of(self, layer: Layer) -> tuple[Clip, ...]:
         """Clips that cut a layer: the scene's, then its own."""
         return self.clips + layer.clips
+
+
+def check_scene(given: Any, remedy: str = "pass an airlight.Scene") -> None:
+    """Refuse what is no scene.
+
+    Raises
+    ------
+    DataError
+        Tells what it is.
+    """
+    if not isinstance(given, Scene):
+        raise DataError("scene", f"is a {type(given).__name__}", remedy)
 
 
 # -- views

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 Stretches = tuple[tuple[float, float], ...]
 """Closed intervals of values, each with its first and its last; they may reach to infinity."""
 
+Conditions = tuple[tuple[tuple[int | str, float, float], ...], ...]
+"""Conditions, each with its alternatives: that a variable lies in a closed interval. A variable is the place of a channel among
+those of the layer, or the name of what is made of them: ``"gradient"``, ``"second"``."""
+
 # -- types of WGSL, as annotations that a type checker sees as plain Python types
 
 F32 = Annotated[float, "f32"]
@@ -207,30 +211,76 @@ class LabelCells:
 
 @dataclass(frozen=True)
 class BlockRanges:
-    """The least and the greatest value of a field in each block of ``BLOCK_VOXELS`` a side, made on the device.
+    """The least and the greatest value of a field in each block of ``BLOCK_VOXELS`` a side, made by NumPy.
 
-    ``reader`` reads the samples of the grid; the field reaches ``reach`` voxels beyond a block's faces, and leaves the range of
-    its samples by ``overshoot`` times that range.
+    Of the channel at a place among the grid's. Samples count up to ``reach`` voxels beyond a block's faces, and the field
+    leaves their range by ``overshoot`` times that range.
     """
 
     grid: Grid
-    reader: Stage
+    place: int = 0
+    reach: int = 0
+    overshoot: float = 0.0
+
+
+@dataclass(frozen=True)
+class BlockSlopes:
+    """Bounds of gradients' lengths in each block: from 0 to ``per_value`` [1/world] times the width of a range of values."""
+
+    ranges: BlockRanges
+    per_value: float
+
+
+@dataclass(frozen=True)
+class BlockShares:
+    """The least and the greatest share that drawn labels take of a place, 0 or 1, in each block of the labels' voxels.
+
+    ``drawn`` tells which are, 1 or 0, in rising order of the labels; those up to ``reach`` voxels beyond a block's faces count.
+    """
+
+    numbers: LabelNumbers
+    drawn: bytes
     reach: int
-    overshoot: float
+
+
+BlockVariable = BlockRanges | BlockSlopes | BlockShares
+
+
+@dataclass(frozen=True)
+class Within:
+    """That all of a variable's values in a block lie in a closed interval."""
+
+    variable: BlockVariable
+    low: float
+    high: float
 
 
 @dataclass(frozen=True)
 class BlockLeaps:
-    """How far rays may leap from each block over blocks whose values lie within one of the closed intervals ``empty``.
+    """How far rays may leap from each block over blocks in which nothing is.
 
-    A 3-D texture; WGSL: ``package::blocks`` and ``slot::blocks::leap_of``.
+    Nothing is where of each of several conditions one alternative holds: ``empty`` has the conditions. ``known_to_slabs`` tells
+    whether the two samples of a slab tell the same. A 3-D texture; WGSL: ``package::blocks`` and ``slot::blocks::leap_of``.
+    """
+
+    empty: tuple[tuple[Within, ...], ...]
+    known_to_slabs: bool = True
+
+
+@dataclass(frozen=True)
+class BlockBounds:
+    """The greatest value of a field in each block of ``BOUND_VOXELS`` a side, or the least, and that in a group of them.
+
+    A 3-D texture of half floats that are not rounded inwards; WGSL: ``slot::blocks::bounds_of``.
     """
 
     ranges: BlockRanges
-    empty: Stretches
+    of_least: bool
 
 
 BLOCK_VOXELS = 4
+BOUND_VOXELS = 8
+BOUND_GROUP_VOXELS = 32
 
 
 @dataclass(frozen=True)
@@ -280,6 +330,7 @@ Resource = (
     | ClassifiedGrid
     | LabelCells
     | BlockLeaps
+    | BlockBounds
     | OpennessGrid
     | DirectionGrid
     | LitDirections
@@ -302,6 +353,8 @@ class Context:
     labels: Labels | None = None
     camera: Any = None
     clips: tuple[Clip, ...] = ()
+    # Called with what is done, how much of it, and how much there is.
+    progress: Callable[[str, int, int], None] | None = dataclasses.field(default=None, compare=False)
 
     @property
     def channel(self) -> int:
@@ -361,6 +414,10 @@ class Stage:
     def variant(self, context: Context) -> dict[str, bool]:
         """Return further constants of the program, which follow from the function or the data."""
         return {}
+
+    def converging(self) -> Stage:
+        """Return the stage for pictures of a known error: itself, unless it is quick at a cost that no smaller step mends."""
+        return self
 
     def statics(self) -> dict[str, Any]:
         """Return the fields that are part of the program's key."""
@@ -455,7 +512,7 @@ SLOTS: dict[str, Slot] = {
     for slot in (
         Slot(
             "driver",
-            {"main": "fn(vec3u)"},
+            {"main": "fn(vec3u, u32)"},
             help="What walks through the volume and calls the other slots.",
         ),
         Slot(
@@ -487,6 +544,7 @@ SLOTS: dict[str, Slot] = {
                 "next_crossing": "fn(Sample, Sample, u32) -> Sheet",
                 "know_crossing": "fn(Sheet, Sample, bool) -> Known",
                 "empty_slab": "fn(Sample, Sample) -> bool",
+                "held": "fn(Values, Values) -> Values",
                 "opacity_share": "fn(Sample, Sample, f32, f32, f32) -> f32",
                 "Known": "struct",
                 "know": "fn(Sample) -> Known",
@@ -544,6 +602,8 @@ SLOTS: dict[str, Slot] = {
                 "surface": "fn(Sample, Sample) -> f32",
                 "level": "fn(Sample, Sample) -> f32",
                 "surface_rgb": "fn(Sample, Sample, Sample, vec3f) -> vec3f",
+                "settled": "fn(ptr<function, Accumulated>, f32, f32) -> bool",
+                "through": "fn(Accumulated) -> f32",
             },
             defaults={"level": "surface", "surface_rgb": "surface"},
             help="What becomes of the slabs along a ray.",

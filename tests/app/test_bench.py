@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import sys
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 
 import airlight as al
 from airlight import api
 from airlight.app import bench, cli
-from airlight.benchmark import measure, peers, suite
+from airlight.benchmark import measure, peers, plots, suite
 
 TINY = suite.Plan((24, 20), (12, 10), voxels=16, repeats=2, seconds=0.0)
 
@@ -38,13 +42,13 @@ def test_each_scene_has_time_samples_and_error_at_each_step(renderer: al.Rendere
     assert adapter["name"]
     assert told[0] == ("scenes", 0, 6)
     assert told[-1] == ("scenes", 6, 6)
-    assert len(rows) == 18
+    assert len(rows) == 30  # four scenes are drawn in two ways
     for row in rows:
         assert row["milliseconds"]["total"]["n"] == 1
         assert row["milliseconds"]["total"]["median"] > 0
         assert row["samples_a_pixel"] == pytest.approx(row["samples"] / 480)
     for name in ("bone, unlit", "cloud, nowhere empty", "shells, maximum"):
-        coarse, _, fine = (row["error"]["rmse"] for row in rows if row["scene"] == name)
+        coarse, _, fine = (row["error"]["rmse"] for row in rows if (row["scene"], row["renderer"]) == (name, suite.OURS))
         assert fine < coarse < 0.2
 
 
@@ -78,17 +82,17 @@ def test_tables_and_numbers_are_written(tmp_path: Path, capsys: pytest.CaptureFi
     assert cli.main(["bench", *options, "-o", str(numbers), "-o", str(tables)]) == 0
     found = json.loads(numbers.read_text())
     assert found["plan"]["size_px"] == [16, 16]
-    assert len(found["rows"]) == 18
+    assert len(found["rows"]) == 30
     printed = capsys.readouterr().out
     assert tables.read_text() == printed
-    assert printed.count("| head, lit ") == 3
+    assert printed.count("| head, lit ") == 6
     assert "psnr dB" in printed
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["-o", "bench.csv"], "has no ending that says what to write: use one of .json, .md"),
+        (["-o", "bench.csv"], "has no ending that says what to write: use one of .json, .md, .png, .svg"),
         (["-o", "-"], "is where the tables go anyway"),
         (["-o", "nowhere/bench.json"], "its folder is not there"),
         (["--voxels", "4"], r"--voxels is 4, must lie in [8, 1024]"),
@@ -111,6 +115,37 @@ def test_without_vtk_it_cannot_be_asked_for(monkeypatch: pytest.MonkeyPatch, cap
     monkeypatch.setattr(bench, "vtk_is_there", lambda: False)
     assert cli.main(["bench", "--vtk", "yes"]) == 2
     assert "--vtk yes needs VTK: pip install vtk" in capsys.readouterr().err
+
+
+def some_results() -> dict[str, Any]:
+    def row(scene: str, renderer: str, step: float, rmse: float) -> dict[str, Any]:
+        about = {"scene": scene, "renderer": renderer, "step": step}
+        return about | {"milliseconds": {"total": {"median": 9 / step}}, "error": {"rmse": rmse}}
+
+    rows = [row(scene, who, step, 0.01 * step**2) for scene in "abcd" for who in ("airlight", "VTK") for step in suite.STEPS]
+    rows += [row("d", "exact", 1.0, 0.0), {"scene": "e", "renderer": "airlight", "failed": "is too large"}]
+    return {"plan": vars(TINY), "adapter": {"name": "any"}, "cores": 2, "rows": rows}
+
+
+@pytest.mark.parametrize("ending", [".png", ".svg"])
+def test_plots_of_time_against_error(tmp_path: Path, ending: str) -> None:
+    pytest.importorskip("matplotlib")
+    target = tmp_path / f"bench{ending}"
+    plots.write_plots(some_results(), target)
+    if ending == ".png":
+        picture = np.asarray(Image.open(target).convert("RGB"))
+        assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 20
+    else:
+        text = target.read_text()
+        assert all(f"<!-- {word} -->" in text for word in ("a", "d", "airlight", "VTK", "exact", "frame [ms]"))
+        assert "<!-- e -->" not in text
+
+
+def test_without_matplotlib_nothing_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    monkeypatch.setattr(bench, "run", lambda *_: pytest.fail("measured"))
+    assert cli.main(["bench", "-o", "bench.png"]) == 2
+    assert 'plots need matplotlib: pip install "airlight[plots]"' in capsys.readouterr().err
 
 
 def test_vtk_beside_it() -> None:

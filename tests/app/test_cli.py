@@ -222,7 +222,13 @@ def test_scene_files_do_not_take_reading_options(volume_file: str, drawn: Drawn,
     assert cli.main(["render", volume_file, "-o", str(tmp_path / "a.png"), "--channel", "0", "--save-scene", scene_file]) == 0
     with open(scene_file, "a", encoding="utf-8") as file:
         file.write("tolerance = 0.5\n")
-    assert "render.tolerance is not used" in fails(capsys, "render", scene_file, "-o", str(tmp_path / "b.png"))
+    assert cli.main(["render", scene_file, "-o", str(tmp_path / "b.png")]) == 0
+    assert drawn[-1][2]["tolerance"] == 0.5
+    assert cli.main(["render", scene_file, "-o", str(tmp_path / "b.png"), "--budget", "40"]) == 0
+    assert (drawn[-1][2].get("tolerance"), drawn[-1][2]["budget_ms"]) == (None, 40.0)
+    again = str(tmp_path / "again.toml")
+    assert cli.main(["render", scene_file, "-o", str(tmp_path / "b.png"), "--tolerance", "0.01", "--save-scene", again]) == 0
+    assert load_scene(again)[1]["tolerance"] == 0.01
     assert "--big-endian tells how" in fails(capsys, "render", scene_file, "-o", str(tmp_path / "b.png"), "--big-endian")
 
 

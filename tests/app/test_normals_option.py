@@ -1,4 +1,4 @@
-"""``--normals``: the normals of surfaces beside the picture."""
+"""``--normals`` and ``--disagreement``: files beside the picture."""
 
 from __future__ import annotations
 
@@ -45,3 +45,14 @@ def test_normals_take_no_others_place(output, normals, words, tmp_path, volume_f
     assert cli.main(["render", volume_file, "-o", output, "--integrate", "first_hit:iso=500", f"--normals={normals}"]) != 0
     assert words in capsys.readouterr().err
     assert not drawn
+
+
+def test_the_disagreement_of_offsets_is_written(tmp_path, volume_file, capsys):
+    words = ["render", volume_file, "-o", str(tmp_path / "a.png"), "--size", "24", "--step", "4", "--preset", "ct-bone"]
+    for ending in ("npy", "png"):
+        assert cli.main([*words, "--offsets", "interleaved", "--disagreement", str(tmp_path / f"d.{ending}")]) == 0
+    assert np.load(tmp_path / "d.npy").shape == (24, 24)
+    assert np.asarray(Image.open(tmp_path / "d.png")).shape == (24, 24, 3)
+    for others in ([], ["--offsets", "blue_noise"]):
+        assert cli.main([*words, *others, "--disagreement", str(tmp_path / "d.npy")]) == 2
+        assert "--offsets interleaved" in capsys.readouterr().err

@@ -138,9 +138,10 @@ def test_refusals():
         reference.render(scene(blob(), TF, "iso", tone="reinhard"), (4, 4), pixels=[(0, 0)])
     with pytest.raises(DataError, match="pass a TransferFunction"):
         reference.render(Scene(blob()), (4, 4))
-    layers = [Layer(blob(), TF), Layer(blob(), TF)]
-    with pytest.raises(DataError, match="2 visible layers"):
-        reference.render(Scene(layers=layers), (4, 4))
+    with pytest.raises(DataError, match="no visible layer"):
+        reference.render(Scene(layers=[Layer(blob(), TF, visible=False)]), (4, 4))
+    with pytest.raises(DataError, match="2 visible layers, and one is asked for"):
+        reference.prepare(Scene(layers=[Layer(blob(), TF), Layer(blob(), TF)]))
     with pytest.raises(StageError, match="no slot"):
         reference.register("gradients", "x", None)
 

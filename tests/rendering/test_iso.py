@@ -13,6 +13,9 @@ import airlight as al
 from airlight import reference
 from airlight.errors import StageError
 from airlight.gpu import blocks
+from airlight.reference.camera import CAMERAS
+from airlight.reference.field import field_value
+from airlight.reference.march import span
 from airlight.stage import STAGES
 
 REFINES = ["none", "bisection", "secant", "exact"]
@@ -203,6 +206,37 @@ def test_the_first_of_several_roots_in_a_step(renderer):
     driver = al.driver.March(refine="exact", blocks=False)
     image = renderer.render(drawn, (1, 1), step=10.0, driver=driver)
     assert image.depth[0, 0] == pytest.approx(113.5, abs=1e-3)
+
+
+def first_roots(drawn: al.Scene) -> np.ndarray:
+    """Distances (h, w) at which rays first pass the value on the way up, from the field in steps of a hundredth of a voxel."""
+    setup = reference.prepare(drawn)
+    y, x = np.mgrid[: SIZE[1], : SIZE[0]].reshape(2, -1)
+    origin, direction = CAMERAS[drawn.camera.name](drawn.camera, SIZE, x, y)
+    enter, leave = span(setup, origin, direction)
+    found = np.full(len(x), np.inf)
+    t, begins_before = enter.copy(), None
+    while (t < leave).any():
+        value, _ = field_value(setup, setup.index_of(origin + t[:, None] * direction))
+        begins_before = value < setup.stages["integrate"].iso if begins_before is None else begins_before
+        found = np.where(np.isinf(found) & (t < leave) & (value >= setup.stages["integrate"].iso), t, found)
+        t += 0.01 * setup.spacing_world
+    return np.where(begins_before, found, np.nan).reshape(SIZE[::-1])
+
+
+@pytest.mark.parametrize("camera", ["perspective", "orthographic"])
+def test_exact_roots_leave_out_no_sheet(renderer, camera):
+    """Noise from voxel to voxel, whose peaks between samples are met for less than a voxel, at steps of five voxels."""
+    noise = al.Volume(np.random.default_rng(4).random((12, 13, 14)).astype(np.float32), spacing=(1.0, 1.2, 0.9))
+    drawn = at(0.8, noise, camera, shade="none")
+    truth = first_roots(drawn)
+    known = np.isfinite(truth)
+    depths = {r: renderer.render(drawn, SIZE, step=5.0, driver=al.driver.March(refine=r)).depth for r in ("bisection", "exact")}
+    wrong = {r: (np.abs(np.where(np.isfinite(d), d, 1e9) - truth) > 0.02)[known].mean() for r, d in depths.items()}
+    assert known.mean() > 0.1
+    assert wrong["bisection"] > 0.1
+    assert wrong["exact"] < 2e-3  # what is met for less than a hundredth of a voxel is not in the truth
+    compare(renderer, drawn, step=5.0, refine="exact", strays=0.004)
 
 
 def test_thin_sheets_are_found_at_large_steps(renderer):

@@ -12,7 +12,7 @@ import airlight as al
 from airlight import reference
 from airlight.errors import DataError, LimitError, StageError
 from airlight.geometry import Lines, Mesh, Points
-from airlight.reference.covers import intersections
+from airlight.reference.intersections import intersections
 
 MIDDLE = blobs().corners_world().mean(axis=0)
 
@@ -280,11 +280,11 @@ def test_four_layers_are_the_nearest_four(renderer):
 
 
 def test_images_larger_than_a_texture(renderer, monkeypatch):
-    from airlight.rendering import covers
+    from airlight.rendering import rasterised
 
     scene = with_meshes(*SCENES["both kinds"])
     whole = renderer.render(scene, SIZE)
-    monkeypatch.setattr(covers, "MOST_TILE", 17)
+    monkeypatch.setattr(rasterised, "MOST_TILE", 17)
     parts = renderer.render(scene, SIZE)
     error = np.abs(parts.rgba - whole.rgba).max(axis=-1)
     assert (error > 1e-4).mean() < 0.01

@@ -47,10 +47,11 @@ def compare(renderer: al.Renderer, drawn: al.Scene, step: float = 1.0, tolerance
         assert np.quantile(np.abs(image.depth[both] - truth.depth[both]), 0.98) < 0.05
 
 
-@pytest.mark.parametrize("camera", ["perspective", "orthographic"])
+@pytest.mark.parametrize(("kind", "camera"), [("renderer", "perspective"), ("core_renderer", "orthographic")])
 @pytest.mark.parametrize(("slot", "stage"), CHOICES, ids=lambda c: getattr(c, "name", c))
-def test_stage(any_renderer, slot, stage, camera):
-    compare(any_renderer, scene(camera=camera, **{slot: stage}))
+def test_stage(request, kind, slot, stage, camera):
+    """On both kinds of devices and with both kinds of cameras, which know nothing of each other: one program for each pair."""
+    compare(request.getfixturevalue(kind), scene(camera=camera, **{slot: stage}))
 
 
 @pytest.mark.parametrize("camera", ["inside", "cut"])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,8 +14,12 @@ import airlight as al
 from airlight.gpu import blocks
 from airlight.gpu.tiles import Tile
 from airlight.rendering.shown import columns_of, on_image
+from airlight.transfer.joint import JointFunction
+from airlight.transfer.joint_axes import Axis
+from airlight.transfer.joint_shapes import Box
 
 LEVEL = 1 / 255
+DENSE = al.TransferFunction([(0, "teal", 0.02), (60, "orange", 0.5)])
 
 
 def islands(seed: int, count: int, gaps: bool = False) -> al.Volume:
@@ -49,19 +55,24 @@ def both(renderer, volume: al.Volume, function: al.TransferFunction, camera: str
     return [renderer.render(drawn, SIZE, step=step, skip=skip) for skip in ("auto", "none")]
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
-@pytest.mark.parametrize(
-    "look", [{}, {"shade": "none", "field": "linear_exact"}, {"transfer": "postclassified", "field": "nearest"}]
-)
-@settings(max_examples=6)
+LOOKS = [{}, {"shade": "none", "field": "linear_exact"}, {"transfer": "postclassified", "field": "nearest"}]
+PLACES = (("perspective", "inside"), ("orthographic", "cut"))
+# Each look with both kinds of cameras, with gaps and without, in turns: two programs for each of these.
+CASES = [
+    (name, look, PLACES[(i + j) % 2], (i // 2 + j) % 2 == 1) for i, name in enumerate(FUNCTIONS) for j, look in enumerate(LOOKS)
+]
+
+
+@pytest.mark.parametrize(("name", "look", "places", "gaps"), CASES)
+@settings(max_examples=8)
 @given(
     seed=st.integers(0, 10_000),
     count=st.integers(1, 8),
-    camera=st.sampled_from(["perspective", "orthographic", "inside", "cut"]),
+    outside=st.booleans(),
     step=st.sampled_from([0.7, 1.0, 1.9]),
-    gaps=st.booleans(),
 )
-def test_the_image_is_the_same(renderer, name, look, seed, count, camera, step, gaps):
+def test_the_image_is_the_same(renderer, name, look, places, gaps, seed, count, outside, step):
+    camera = places[0] if outside else places[1]
     if name == "surfaces" and look.get("transfer") == "postclassified":
         look = {"field": "nearest"}
     skipped, whole = both(renderer, islands(seed, count, gaps), FUNCTIONS[name], camera, step, **look)
@@ -73,6 +84,107 @@ def test_the_image_is_the_same(renderer, name, look, seed, count, camera, step, 
     assert np.quantile(np.abs(np.where(both_met, skipped.depth, 0) - np.where(both_met, whole.depth, 0)), 0.998) < 0.05
 
 
+def of_kind(kind: str, seed: int, count: int) -> dict[str, Any]:
+    """Volume, function, labels and look of a scene whose blocks are told to be empty in one way or another."""
+    volume = islands(seed, count)
+    matrix, hill = volume.world_from_index, FUNCTIONS["hill"]
+    rng = np.random.default_rng(seed)
+    if kind == "channels":
+        both = al.Volume(np.stack([volume.array, islands(seed + 1, count).array]), world_from_index=matrix)
+        return {"volume": both, "transfer": al.Channels({0: hill, 1: FUNCTIONS["steps"]})}
+    if kind in ("sum", "x-ray"):
+        integrate = al.integrate.WeightedSum(full=40) if kind == "sum" else al.integrate.XRay(high=30)
+        return {"volume": volume, "transfer": hill, "look": {"integrate": integrate}}
+    if kind == "gradients":
+        noise = rng.uniform(0, 4, volume.array.shape).astype(np.float32)
+        shapes = [Box((20, 15), (110, 50), edge=1, colour=(1, 0.5, 0), extinction=2.0)]
+        function = JointFunction((Axis("value", 0, 140), Axis("gradient", 0, 60)), shapes)
+        return {"volume": al.Volume(40 + noise + volume.array / 2, world_from_index=matrix), "transfer": function}
+    cells = np.repeat(np.repeat(np.repeat(rng.integers(0, 5, (3, 3, 3), dtype=np.uint8), 14, 0), 14, 1), 14, 2)[:30, :34, :38]
+    labels = al.Volume(np.ascontiguousarray(cells), world_from_index=matrix)
+    if kind == "labels alone":
+        return {
+            "volume": labels,
+            "labels": al.Labels(labels, hidden=(0, 1, 4)),
+            "transfer": al.TransferFunction([(0.3, "gold", 0), (0.6, "gold", 3)]),
+        }
+    return {
+        "volume": volume,
+        "transfer": DENSE if kind == "hidden, dense" else hill,
+        "labels": al.Labels(labels, hidden=(0, 1, 2)),
+    }
+
+
+KINDS = ["channels", "gradients", "hidden", "hidden, dense", "labels alone", "sum", "x-ray"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=6)
+@given(
+    seed=st.integers(0, 10_000),
+    count=st.integers(1, 8),
+    camera=st.sampled_from(["perspective", "inside"]),
+    step=st.sampled_from([0.7, 1.0, 1.9]),
+)
+def test_the_image_is_the_same_whatever_tells(renderer, kind, seed, count, camera, step):
+    made = of_kind(kind, seed, count)
+    look = al.Look(**made.pop("look", {}))
+    layer = al.Layer(**made, look=look)
+    drawn = al.Scene(layers=[layer], camera=cameras(layer.volume)[camera], background=None)
+    skipped, whole = (renderer.render(drawn, SIZE, step=step, skip=skip) for skip in ("auto", "none"))
+    assert skipped.stats["skip"]["done"] == "blocks"
+    assert np.abs(skipped.rgba - whole.rgba).max() <= LEVEL
+    met = np.isfinite(whole.depth) & np.isfinite(skipped.depth)
+    assert np.mean(np.isfinite(whole.depth) != np.isfinite(skipped.depth)) <= 2e-3
+    assert np.quantile(np.abs(np.where(met, skipped.depth, 0) - np.where(met, whole.depth, 0)), 0.998) < 0.05
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_fewer_samples_whatever_tells(renderer, kind):
+    layer = al.Layer(**(made := of_kind(kind, 1, 2)) | {"look": al.Look(**made.get("look", {}))})
+    drawn = al.Scene(layers=[layer], camera=cameras(layer.volume)["perspective"], background=None)
+    skipped, whole = (renderer.render(drawn, SIZE, skip=skip) for skip in ("auto", "none"))
+    assert skipped.stats["samples"] < 0.9 * whole.stats["samples"]
+
+
+EXTREMES = {
+    "mip": al.integrate.Mip(),
+    "minip": al.integrate.MinIp(),
+    "local": al.integrate.LocalMip(threshold=50, drop=4),
+    "depth": al.integrate.DepthShadedMip(),
+    "attenuated": al.integrate.AttenuatedMip(),
+}
+
+
+@pytest.mark.parametrize("name", EXTREMES)
+@settings(max_examples=6)
+@given(
+    seed=st.integers(0, 10_000),
+    count=st.integers(1, 8),
+    camera=st.sampled_from(["perspective", "inside"]),
+    step=st.sampled_from([0.7, 1.0, 1.9]),
+    noise=st.sampled_from([0.0, 3.0]),
+)
+def test_what_is_looked_for_is_found(renderer, name, seed, count, camera, step, noise):
+    """Blocks that hold nothing greater than what was found change nothing at all."""
+    volume = islands(seed, count)
+    rough = noise * np.random.default_rng(seed).random(volume.array.shape, dtype=np.float32)
+    volume = al.Volume(volume.array + rough, world_from_index=volume.world_from_index)
+    skipped, whole = both(renderer, volume, FUNCTIONS["hill"], camera, step, shade="none", integrate=EXTREMES[name])
+    assert skipped.stats["skip"]["done"] == "blocks"
+    assert np.array_equal(skipped.rgba, whole.rgba)
+    assert np.array_equal(skipped.depth, whole.depth)
+
+
+def test_tops_that_end_just_below_where_something_is(renderer):
+    """Values put right for curvature are not moved across: the field does not go there."""
+    volume = islands(5, 1)
+    assert 34 < volume.array.max() < 35
+    skipped, whole = both(renderer, volume, FUNCTIONS["steps"], "perspective", 0.7)
+    assert not skipped.rgba.any()
+    assert not whole.rgba.any()
+
+
 @pytest.mark.parametrize("side", [(0, -1, 0), (-1, 0, 0)])
 @pytest.mark.parametrize(("shape", "look"), [((3, 4, 5), {"field": "nearest", "transfer": "postclassified"}), ((1, 4, 5), {})])
 def test_outer_cells_are_drawn(renderer, shape, look, side):
@@ -81,7 +193,8 @@ def test_outer_cells_are_drawn(renderer, shape, look, side):
     middle = volume.corners_world().mean(axis=0)
     camera = al.Camera.orthographic(eye=tuple(middle + 20 * np.array(side)), target=tuple(middle), height=7)
     drawn = al.Scene(volume, transfer=solid, camera=camera, look=al.Look(shade="none", **look), background=None)
-    skipped, whole = (renderer.render(drawn, (200, 200), skip=skip) for skip in ("auto", "none"))
+    chosen, skipped, whole = (renderer.render(drawn, (200, 200), skip=skip) for skip in ("auto", "blocks", "none"))
+    assert chosen.stats["skip"]["done"] == "none"  # it is full
     assert skipped.stats["skip"]["done"] == "blocks"
     assert np.abs(skipped.rgba - whole.rgba).max() <= LEVEL
 
@@ -156,8 +269,7 @@ def test_columns_enclose_what_is_shown(seed, count):
 def test_groups_of_blocks_are_few_and_enclose_all_that_counts(device):
     rng = np.random.default_rng(3)
     active = rng.random((60, 61, 62)) < 0.2
-    ranges = np.stack([np.zeros(active.shape), active], axis=-1).astype(np.float32)
-    made = blocks.make_leaps(device, ranges, ((-np.inf, 0.5),))
+    made = blocks.make_leaps(device, active)
     assert 0 < len(made.groups) <= blocks.MOST_GROUPS
     places = np.argwhere(active)[:, ::-1] * blocks.BLOCK_VOXELS // made.group_voxels
     assert {tuple(place) for place in places} == {tuple(group) for group in made.groups}

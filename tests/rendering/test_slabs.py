@@ -100,6 +100,21 @@ def test_cut_slabs_of_any_depth(renderer, kind, associated, depth):
     assert found < CUT_ERROR
 
 
+@pytest.mark.parametrize("value", [-3.0, 5.0])
+@pytest.mark.parametrize("transfer", ["preintegrated_exact", "preintegrated", "preintegrated_fast", "postclassified"])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_slabs_of_one_value_beyond_a_step_at_the_very_end(renderer, side, transfer, value):
+    """A function that begins or ends with a step holds something else beyond it, also where nothing changes along the ray."""
+    points = [(0.0, "red", 0.0), (0.0, "red", 1.0), (1.0, "blue", 1.0), (1.0, "blue", 0.3)]
+    if side > 0:
+        points = [(1 - v, rgb, e) for v, rgb, e in reversed(points)]
+    volume = al.Volume(np.full((4, 5, 6), value, dtype=np.float32))
+    look = al.Look(shade="none", transfer=transfer)
+    drawn = al.Scene(volume, transfer=al.TransferFunction(points), camera="iso", look=look, background=None)
+    for skip in ("auto", "none"):
+        assert np.abs(renderer.render(drawn, (12, 10), skip=skip).rgba - reference.render(drawn, (12, 10)).rgba).max() < 1e-5
+
+
 @pytest.mark.parametrize("depth", [3.0, 40.0])
 @pytest.mark.parametrize("lighting", ["sampled", "interpolated"])
 @pytest.mark.parametrize("kind", ["steps", "random"])

@@ -54,7 +54,7 @@ def test_renamed_imports_keep_members_and_comments(package):
     assert "struct Ray { one: f32 }" in text
 
 
-def test_a_layers_files_are_instantiated_with_suffixes(package):
+def test_a_layers_files_are_instantiated_with_suffixes(package, monkeypatch):
     package["help.wgsl"] = (
         "import slot::field::{locate, field_value};\nfn at(p: vec3f) -> f32 { return field_value(locate(p)); }"
     )
@@ -67,6 +67,7 @@ def test_a_layers_files_are_instantiated_with_suffixes(package):
     slots = {"field": (("f", FIELD), ("f", FIELD)), "gradient": (("g", gradient), ("g", gradient))}
     root = "import generated::layers::first;\nfn main() { }"
     names = NAMES | {("layers", None, "first"): "first"}
+    monkeypatch.setattr(linking, "has_source", lambda path: path in package)
     with pytest.raises(ShaderError, match=r"root.wgsl:1 imports 'locate' of a layer, but there are 2 layers"):
         linked("import slot::field::locate;", slots, Generated("", NAMES))
     one = {slot: fillers[:1] for slot, fillers in slots.items()}
@@ -158,3 +159,28 @@ def test_any_text_parses_or_fails_with_a_clear_error(text):
         assert "".join(token.text for token in module.tokens).count("\n") == text.count("\n")
         place = "any.wgsl:0"
     assert place.startswith("any.wgsl:")
+
+
+def test_several_layers_answer_as_one_and_a_chain_ends_behind_the_last(package, monkeypatch):
+    monkeypatch.setattr(linking, "has_source", lambda path: path in package)
+    package["ray.wgsl"] = "import slot::field::locate;\nfn way(p: vec3f) -> f32 { return locate(p).p.x; }"
+    package["several/ray.wgsl"] = "import next::several::sum::total;\nfn way(p: vec3f) -> f32 { return total(p); }"
+    package["several/sum.wgsl"] = (
+        "import next::several::sum::total as rest;\nimport package::ray::way;\n"
+        "fn total(p: vec3f) -> f32 { return way(p) + rest(p); }"
+    )
+    package["several/sum_end.wgsl"] = "fn total(p: vec3f) -> f32 { return 0.0; }"
+    root = "import package::ray::way;\nfn main() -> f32 { return way(vec3f(0.0)); }"
+    text = linked(root, {"field": (("f", FIELD), ("f", FIELD))}, Generated("", NAMES)).text
+    for line in (
+        "fn main() -> f32 { return way(vec3f(0.0)); }",
+        "fn way(p: vec3f) -> f32 { return total_0(p); }",
+        "fn total_0(p: vec3f) -> f32 { return way_0(p) + total_1(p); }",
+        "fn total_1(p: vec3f) -> f32 { return way_1(p) + total(p); }",
+        "fn way_1(p: vec3f) -> f32 { return locate_1(p).p.x; }",
+        "fn total(p: vec3f) -> f32 { return 0.0; }",
+    ):
+        assert line in text, line
+    alone = linked(root, {"field": (("f", FIELD),)}, Generated("", NAMES)).text
+    assert "fn way(p: vec3f) -> f32 { return locate_0(p).p.x; }" in alone
+    assert "several" not in alone

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 
 from ..benchmark.peers import vtk_is_there, vtk_rows
+from ..benchmark.plots import load_matplotlib, write_plots
 from ..benchmark.report import machine, table
 from ..benchmark.suite import Plan, measured
 from ..errors import FileError, MissingExtraError, ValueRangeError
@@ -15,7 +16,8 @@ from .parse import parse_size
 from .progress import ProgressBar
 from .render import check_output, plain
 
-ENDINGS = (".json", ".md")
+PLOTS = (".png", ".svg")
+ENDINGS = (".json", ".md", *PLOTS)
 QUICK = Plan((128, 128), (48, 48), voxels=48, repeats=1, seconds=1.0)
 MOST_VOXELS = 1024
 
@@ -41,7 +43,7 @@ def bench(
             negative="",
             consume_multiple=False,
             allow_leading_hyphen=True,
-            help="Also write the results, all numbers to a .json file or the tables to a .md file; repeatable.",
+            help="Also write the results: numbers (.json), tables (.md), plots of time against error (.png, .svg); repeatable.",
         ),
     ] = (),
     device: Annotated[str | None, Parameter(metavar="NAME", help="Adapter, by a part of its name or kind.")] = None,
@@ -52,12 +54,14 @@ def bench(
 
         airlight bench
         airlight bench --quick
-        airlight bench --size 1024x1024 --voxels 256 -o bench.json -o bench.md
+        airlight bench --size 1024x1024 --voxels 256 -o bench.json -o bench.md -o bench.png
     """
     for target in output:
         if target == "-":
             raise FileError("-o -", "is where the tables go anyway", "name a file")
         check_output(target, ENDINGS)
+        if is_plot(target):
+            load_matplotlib()
     if vtk == "yes" and not vtk_is_there():
         raise MissingExtraError("--vtk yes", "needs VTK", "pip install vtk")
     plan = make_plan(size, voxels, quick, seconds)
@@ -66,8 +70,16 @@ def bench(
     text = report(results)
     print(text)
     for target in output:
+        if is_plot(target):
+            write_plots(results, Path(target))
+            continue
         as_json = target.lower().endswith(".json")
         write_text(Path(target), (json.dumps(results, indent=2, default=plain) if as_json else text) + "\n")
+
+
+def is_plot(target: str) -> bool:
+    """Whether a file is a picture by its name."""
+    return target.lower().endswith(PLOTS)
 
 
 def make_plan(size: str | None, voxels: int | None, quick: bool, seconds: float | None) -> Plan:

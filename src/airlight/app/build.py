@@ -16,9 +16,11 @@ from ..stages.camera import Orthographic, Perspective, Stereo
 from ..transfer import Surface, TransferFunction, presets
 from ..transfer.colormaps import colours_of
 from ..volume import Volume
+from .annotations import asked_annotations, with_annotations, with_room
 from .clips import check_cut, cropped, parse_clips, parse_crop, with_clips
 from .inputs import open_named
 from .labels import LabelOptions, with_labels
+from .layers import open_layers, parse_layer
 from .lights import check_lit, parse_lights
 from .meshes import boxes, open_meshes, parse_mesh
 from .options import SLOTS, DrawOptions, LookOptions, ReadOptions, ViewOptions
@@ -38,6 +40,7 @@ from .progress import ProgressBar
 from .surroundings import BACKGROUND, check_lights, environment_of, lit_by, seen_behind
 
 SIZE = (512, 512)
+STEPPING = ("step", "tolerance", "budget_ms")  # each chooses the step
 PROJECTIONS = ("mip", "minip", "mean", "attenuated_mip", "depth_shaded_mip", "local_mip")
 SUMS = ("weighted_sum", "xray")
 BOUNDARY_DEPTHS = (0.12, 0.4, 1.2)
@@ -46,7 +49,7 @@ BOUNDARY_DEPTHS = (0.12, 0.4, 1.2)
 
 @dataclass(frozen=True)
 class Job:
-    """A scene with the size of its image and further arguments of ``airlight.render``: driver, step, skip."""
+    """A scene with the size of its image and further arguments of ``airlight.render``: driver, step, tolerance, skip ..."""
 
     scene: Scene
     size: tuple[int, int]
@@ -106,14 +109,16 @@ def make_job(
     environment = environment_of(look.environment, look.environment_turn)
     if look.light:
         changes["lights"] = parse_lights(look.light)
+    annotations = asked_annotations(look)
     meshes = tuple(parse_mesh(text) for text in look.mesh)
+    others = tuple(parse_layer(text) for text in look.layer)
     if view.background is not None and view.background != BACKGROUND:
         changes["background"] = parse_background(view.background)
     if is_scene(path):
         scene, options = _load(path, read, progress)
-        if "tolerance" in options:
-            raise ValueRangeError(f"{path}: render.tolerance", "is not used by this version", "leave it out, and choose a step")
-        arguments = {key: value for key, value in options.items() if key in ("driver", "step", "skip")} | arguments
+        # Whoever types how well it is to be drawn does not mean what the file says of it.
+        left = ("size", *(STEPPING if any(key in arguments for key in STEPPING) else ()))
+        arguments = {key: value for key, value in options.items() if key not in left} | arguments
         size = size or options.get("size") or SIZE
     else:
         size = size or SIZE
@@ -132,11 +137,14 @@ def make_job(
         layers = tuple(_with_surfaces(layer, surfaces, alone=not given and not is_scene(path)) for layer in layers)
     if labels is not None:
         layers = tuple(with_labels(layer, labels, progress, parse_bytes(read.max_memory)) for layer in layers)
+    layers = (*layers, *(open_layers(others, layers[0], parse_bytes(read.max_memory), progress) if others else ()))
     layers = tuple(cropped(lit_by(layer, environment, look.shade is not None), crop) for layer in layers)
     if look.mesh or look.box is not None:
         drawn = () if look.box is None else boxes(layers, look.box)
         changes["meshes"] = (*scene.meshes, *open_meshes(meshes), *drawn)
-    scene = with_clips(dataclasses.replace(scene, layers=layers, **changes), clips)
+    scene = with_annotations(with_clips(dataclasses.replace(scene, layers=layers, **changes), clips), annotations)
+    if camera is None and not is_scene(path):
+        scene = with_room(scene, _of_one_eye(size) if view.stereo else size)
     if look.light:
         check_lit(scene)
     if view.background == BACKGROUND:
@@ -149,7 +157,8 @@ def make_job(
 
 
 def _draw_arguments(draw: DrawOptions) -> dict[str, Any]:
-    arguments: dict[str, Any] = {key: value for key in ("step", "skip") if (value := getattr(draw, key)) is not None}
+    asked = {"step": draw.step, "tolerance": draw.tolerance, "budget_ms": draw.budget, "skip": draw.skip}
+    arguments: dict[str, Any] = {key: value for key, value in asked.items() if value is not None}
     if draw.step is not None and not (math.isfinite(draw.step) and draw.step > 0):
         raise ValueRangeError("--step", f"is {draw.step}, must be above 0")
     if draw.driver is not None or draw.offsets is not None:

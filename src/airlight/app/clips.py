@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..clips import Clip
-from ..errors import ValueRangeError
+from ..clips import Clip, Solid
+from ..errors import DataError, ValueRangeError
+from ..geometry.saving import SOLID_ENTRIES
 from ..scene import Layer, Scene
 from .parse import assignments
 
@@ -23,12 +24,17 @@ Ranges = tuple[tuple[int, int], ...]
 
 
 def parse_clips(texts: Sequence[str]) -> list[dict[str, Any]]:
-    """Plain data of ``plane:normal=[0,-1,0]``, ``box:low=[0,0,0],high=[9,9,9]`` or ``sphere:radius=5``, checked."""
+    """Plain data of ``plane:normal=[0,-1,0]``, ``box:low=[0,0,0],high=[9,9,9]``, ``sphere:radius=5`` or ``mesh:file=a.stl``.
+
+    They are checked; meshes are read.
+    """
     found = []
     for text in texts:
         kind, colon, rest = text.partition(":")
         data = {**(assignments(rest, OPTION) if colon else {}), "kind": kind.strip()}
-        _clip(_placed(data, np.zeros(3)))
+        clip = _clip(_placed(data, np.zeros(3)))
+        if isinstance(clip, Solid):
+            data = {name: value for name, value in data.items() if name not in SOLID_ENTRIES} | {"closed": clip.closed}
         found.append(data)
     return found
 
@@ -62,8 +68,8 @@ def _placed(data: Mapping[str, Any], middle: Any) -> dict[str, Any]:
 def _clip(data: Mapping[str, Any]) -> Clip:
     try:
         return Clip.from_dict(data)
-    except ValueRangeError as error:
-        raise ValueRangeError(OPTION + error.where.removeprefix("clip"), error.what, error.remedy) from None
+    except (ValueRangeError, DataError) as error:
+        raise type(error)(OPTION + error.where.removeprefix("clip"), error.what, error.remedy) from None
 
 
 def parse_crop(text: str) -> Ranges:

@@ -18,10 +18,15 @@ OPTION = "--mesh"
 
 def parse_mesh(text: str) -> tuple[str, dict[str, Any]]:
     """File and options of ``skull.stl:color=ivory,opacity=0.5``."""
+    return file_and_options(text, OPTION, "skull.stl:color=ivory,opacity=0.5")
+
+
+def file_and_options(text: str, option: str, example: str) -> tuple[str, dict[str, Any]]:
+    """File and options of a text like an example."""
     match = re.fullmatch(r"(.+?)(?::(\w+=.*))?", text.strip())
     if not match:
-        raise ValueRangeError(OPTION, f"is {text!r}, must name a file", "e.g. --mesh skull.stl:color=ivory,opacity=0.5")
-    return match[1], assignments(match[2], OPTION) if match[2] else {}
+        raise ValueRangeError(option, f"is {text!r}, must name a file", f"e.g. {option} {example}")
+    return match[1], assignments(match[2], option) if match[2] else {}
 
 
 def open_meshes(parsed: Iterable[tuple[str, dict[str, Any]]]) -> tuple[Mesh, ...]:

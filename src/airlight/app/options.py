@@ -16,6 +16,7 @@ LOOK = Group("Look", sort_key=1)
 VIEW = Group("View", sort_key=2)
 DRAW = Group("Drawing", sort_key=3)
 READ = Group("Reading", sort_key=4)
+NOTES = Group("Annotations", sort_key=2)
 
 SLOTS = ("field", "gradient", "transfer", "modulation", "shade", "lighting", "visibility", "integrate", "tone")
 
@@ -119,6 +120,42 @@ class LookOptions:
             "skull.stl:color=ivory,opacity=0.4,smooth=false. Repeatable.",
         ),
     ] = ()
+    layer: Annotated[
+        tuple[str, ...],
+        Parameter(
+            group=LOOK,
+            metavar="FILE",
+            negative="",
+            consume_multiple=False,
+            help="Another volume in the scene, in its own place, with the look of the first: tf, preset or colormap, density, "
+            "channel and time as in pet.nii.gz:colormap=inferno,density=0.5. Repeatable.",
+        ),
+    ] = ()
+    scale_bar: Annotated[
+        bool, Parameter(group=NOTES, negative="", help="A bar of a round length; under perspective as long as at the target.")
+    ] = False
+    color_bar: Annotated[
+        bool, Parameter(group=NOTES, negative="", help="Colours and opacities of the transfer function by value.")
+    ] = False
+    grid: Annotated[
+        bool, Parameter(group=NOTES, negative="", help="Lines at round numbers of the world behind all, with the numbers.")
+    ] = False
+    axes: Annotated[bool, Parameter(group=NOTES, negative="", help="Arrows along the axes of the world.")] = False
+    orientation: Annotated[
+        bool, Parameter(group=NOTES, negative="", help="Letters of anatomical directions (L R A P S I) at the borders.")
+    ] = False
+    pointer: Annotated[
+        tuple[str, ...],
+        Parameter(
+            group=NOTES,
+            metavar="X,Y,Z",
+            negative="",
+            consume_multiple=False,
+            allow_leading_hyphen=True,
+            help="A cross at a point of the world, with options as in 10,20,30:shape=arrow,size_voxels=8,color=red,label=here. "
+            "Repeatable.",
+        ),
+    ] = ()
     box: Annotated[str | None, Parameter(group=LOOK, metavar="COLOUR", help="Edges of the volume's box, in this colour.")] = (
         None
     )
@@ -166,8 +203,9 @@ class ViewOptions:
             negative="",
             consume_multiple=False,
             help="Part of the world that is drawn: plane:normal=[0,1,0] (what lies where the normal points to; through the "
-            "middle of the volume, or point=[x,y,z]), box:low=[x,y,z],high=[x,y,z] or sphere:center=[x,y,z],radius=R, with "
-            "keep=outside to draw the rest and capped=true for solid faces. Repeatable: what all of them keep is drawn.",
+            "middle of the volume, or point=[x,y,z]), box:low=[x,y,z],high=[x,y,z], sphere:center=[x,y,z],radius=R or "
+            "mesh:file=FILE (closed), with keep=outside to draw the rest, capped=true for solid faces, and cuts=front or back "
+            "to cut only what is in front of it or behind. Repeatable: what all of them keep is drawn.",
         ),
     ] = ()
     crop: Annotated[
@@ -210,12 +248,28 @@ class DrawOptions:
     step: Annotated[
         float | None, Parameter(group=DRAW, help="Length of a step in voxels (the smallest spacing); 1 unless told.")
     ] = None
+    tolerance: Annotated[
+        float | None,
+        Parameter(
+            group=DRAW,
+            metavar="ERROR",
+            help="Greatest error of any pixel and channel, e.g. 0.004 (1/255): steps get smaller where it is needed.",
+        ),
+    ] = None
+    budget: Annotated[
+        float | None,
+        Parameter(
+            group=DRAW,
+            metavar="MS",
+            help="Milliseconds that the frame may take: chooses the step, and a smaller size if need be.",
+        ),
+    ] = None
     skip: Annotated[
         Literal["auto", "none", "blocks", "geometry"] | None,
         Parameter(group=DRAW, help="Skipping of empty space; never changes the image."),
     ] = None
     offsets: Annotated[
-        Literal["none", "interleaved"] | None,
+        Literal["none", "interleaved", "blue_noise"] | None,
         Parameter(
             group=DRAW, help="Offsets of the samples from pixel to pixel, by the driver march: fewer rings, a little noise."
         ),

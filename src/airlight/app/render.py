@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 from cyclopts import Parameter
 
-from ..errors import FileError
+from ..errors import FileError, ValueRangeError
 from ..files import write_text, written
 from ..scene import VIEWS, Scene
 from ..volume import Volume, statistics
@@ -21,7 +21,7 @@ from .options import DrawOptions, LookOptions, ReadOptions, ViewOptions
 from .progress import ProgressBar
 
 ENDINGS = (".png", ".exr", ".npy")
-NORMAL_ENDINGS = (".png", ".npy")
+BESIDE_ENDINGS = (".png", ".npy")
 
 
 def render(
@@ -58,6 +58,14 @@ def render(
             "0.5 + 0.5 n as colours.",
         ),
     ] = None,
+    disagreement: Annotated[
+        str | None,
+        Parameter(
+            metavar="FILE",
+            help="Also write how far neighbouring offsets disagree (--offsets interleaved), a sign that the step is too large: "
+            ".npy, or .png with the picture in grey under it.",
+        ),
+    ] = None,
     save_scene: Annotated[
         str | None,
         Parameter(metavar="FILE.toml", help="Also write what was drawn as a scene file, to be rendered again or changed."),
@@ -76,11 +84,14 @@ def render(
         airlight render head.nii.gz -o brain.png --labels atlas.nii.gz --label-names atlas.txt --hide-labels 0
         airlight render mni-head -o mri.png --preset mri --light head:intensity=0.4 --light "directional:to_light=[-1,-1,2]"
         airlight render foot.raw -o foot.png --shape 256x256x256 --dtype uint8 --spacing 1,1,1
+        airlight render ct.nrrd -o exact.png --tolerance 0.004
         airlight render scene.toml -o - --stats | display
     """
     check_output(output)
     if normals is not None:
-        check_normals(normals, output)
+        check_beside("--normals", normals, output)
+    if disagreement is not None:
+        check_beside("--disagreement", disagreement, output)
     with ProgressBar() as progress:
         job = make_job(
             input,
@@ -91,6 +102,8 @@ def render(
             progress,
             labels,
         )
+        if disagreement is not None and getattr(job.arguments.get("driver"), "offsets", "none") != "interleaved":
+            raise ValueRangeError("--disagreement", "is that of interleaved offsets", "add --offsets interleaved")
         from .. import api
 
         arguments = job.arguments if normals is None else {**job.arguments, "keep_hits": True}
@@ -108,16 +121,26 @@ def render(
         image.save(output)
     if normals is not None:
         write_normals(image.normal, Path(normals))
+    if disagreement is not None:
+        write_disagreement(image, Path(disagreement))
     if save_scene is not None:
         from ..scene_file import save_scene as write_scene
 
-        write_scene(job.scene, save_scene, render={"size": job.size} | job.arguments)
+        kept = {key: value for key, value in job.arguments.items() if key != "budget_ms"}  # of this machine
+        write_scene(job.scene, save_scene, render={"size": job.size} | kept)
     if stats is not None:
         write_stats(image.stats, stats)
 
 
 def notes(scene: Scene, image: Any, chosen: bool, own_channel: bool = False) -> Iterator[str]:
-    """Tell what a user might not expect: channels left out, a view against the file's axes, labels elsewhere, and nothing."""
+    """Tell what a user might not expect: channels left out, a view against the file's axes, labels elsewhere, and nothing.
+
+    And what was not reached: a tolerance, the whole size.
+    """
+    if image.stats.get("tolerance", {}).get("pixels_over"):
+        yield image.stats["tolerance"]["stopped"]
+    if image.stats.get("budget", {}).get("scale", 1.0) < 1:
+        yield f"drawn at {image.stats['budget']['scale']:g} of the size and enlarged, to keep --budget"
     if not scene.layers:
         if not image.rgba.any():
             yield "nothing is visible: see --camera"
@@ -160,13 +183,13 @@ def check_output(output: str, endings: tuple[str, ...] = ENDINGS) -> None:
         raise FileError(output, "cannot be written, its folder is not there", f"make {path.parent}")
 
 
-def check_normals(normals: str, output: str) -> None:
-    """Refuse normals that could not be written, or would take the place of the picture."""
-    if normals == "-":
-        raise FileError("--normals -", "cannot go to standard output", "name a file")
-    check_output(normals, NORMAL_ENDINGS)
-    if output != "-" and Path(normals).resolve() == Path(output).resolve():
-        raise FileError(f"--normals {normals}", "is the file of the picture, too", "name another")
+def check_beside(option: str, file: str, output: str) -> None:
+    """Refuse a file beside the picture that could not be written, or would take its place."""
+    if file == "-":
+        raise FileError(f"{option} -", "cannot go to standard output", "name a file")
+    check_output(file, BESIDE_ENDINGS)
+    if output != "-" and Path(file).resolve() == Path(output).resolve():
+        raise FileError(f"{option} {file}", "is the file of the picture, too", "name another")
 
 
 def write_normals(normal: np.ndarray[Any, Any], path: Path) -> None:
@@ -177,14 +200,33 @@ def write_normals(normal: np.ndarray[Any, Any], path: Path) -> None:
     FileError
         When they cannot be written.
     """
+    colours = np.where(normal.any(axis=-1, keepdims=True), 127.5 * (1 + normal) + 0.5, 0.0)
+    write_beside(path, normal, colours.astype(np.uint8))
+
+
+def write_disagreement(image: Any, path: Path) -> None:
+    """Write the disagreement of offsets as it is (.npy), or over the picture (.png).
+
+    Raises
+    ------
+    FileError
+        When it cannot be written.
+    """
+    from ..rendering.disagreement import disagreement_picture
+
+    found = image.disagreement
+    write_beside(path, found, disagreement_picture(image.rgb, found))
+
+
+def write_beside(path: Path, numbers: np.ndarray[Any, Any], picture: np.ndarray[Any, Any]) -> None:
+    """Write numbers (.npy) or their picture (.png)."""
     with written(path) as temporary:
         if path.suffix.lower() == ".npy":
-            np.save(temporary, normal, allow_pickle=False)
+            np.save(temporary, numbers, allow_pickle=False)
             return
         from PIL import Image as Pillow
 
-        colours = np.where(normal.any(axis=-1, keepdims=True), 127.5 * (1 + normal) + 0.5, 0.0)
-        Pillow.fromarray(colours.astype(np.uint8)).save(temporary, "png")
+        Pillow.fromarray(picture).save(temporary, "png")
 
 
 def write_stats(stats: dict[str, Any], target: str) -> None:

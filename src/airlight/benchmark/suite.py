@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from ..errors import AirlightError
 from ..light import Light
 from ..scene import Look, Scene, fit_camera
 from ..stages.integrate import FirstHit
+from ..stages.transfer import PostClassified
 from ..transfer import TransferFunction
 from ..volume import Volume
 from .measure import errors, side_by_side, spread
@@ -26,6 +28,7 @@ from .scenes import bone, flow, haze, head, noisy_cloud, shells, stand_in
 
 STEPS = (2.0, 1.0, 0.5)
 CONVERGED_STEP = 1 / 8
+OURS, ENDS_ALONE = "airlight", "airlight, post-classified"
 
 Told = Callable[[str, int, int], None]
 
@@ -59,6 +62,15 @@ class Case:
 
     scene: Scene
     in_vtk: bool = False
+
+    @cached_property
+    def ways(self) -> dict[str, Scene]:
+        """The scene by who draws it: as it is, and where slabs are integrated also by the media of their two ends alone."""
+        (layer,) = self.scene.layers
+        if not getattr(layer.look.integrate, "classifies", False):
+            return {OURS: self.scene}
+        ends_alone = replace(layer, look=replace(layer.look, transfer=PostClassified()))
+        return {OURS: self.scene, ENDS_ALONE: replace(self.scene, layers=(ends_alone,))}
 
 
 def cases(voxels: int) -> dict[str, Case]:
@@ -99,37 +111,38 @@ def measured(
     for number, (name, case) in enumerate(known.items()):
         told("scenes", number, len(known))
         try:
-            found, adapter = _rows_of(renderer, name, case.scene, plan, plan.seconds / len(known), clock)
+            found, adapter = _rows_of(renderer, name, case, plan, plan.seconds / len(known), clock)
         except AirlightError as error:
             if not adapter and number == len(known) - 1:
                 raise
-            found = [{"scene": name, "renderer": "airlight", "failed": str(error)}]
+            found = [{"scene": name, "renderer": OURS, "failed": str(error)}]
         rows += found
     told("scenes", len(known), len(known))
     return adapter, rows
 
 
 def _rows_of(
-    renderer: Any, name: str, scene: Scene, plan: Plan, seconds: float, clock: Callable[[], float]
+    renderer: Any, name: str, case: Case, plan: Plan, seconds: float, clock: Callable[[], float]
 ) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-    truth = renderer.render(scene, plan.error_size_px, step=CONVERGED_STEP, skip="none").rgba
-    frames: dict[float, list[dict[str, Any]]] = {step: [] for step in STEPS}
+    truth = renderer.render(case.scene, plan.error_size_px, step=CONVERGED_STEP, skip="none").rgba
+    frames: dict[tuple[str, float], list[dict[str, Any]]] = {(way, step): [] for way in case.ways for step in STEPS}
 
-    def drawing(step: float) -> Callable[[], None]:
-        return lambda: frames[step].append(renderer.render(scene, plan.size_px, step=step).stats)
+    def drawing(way: str, step: float) -> Callable[[], None]:
+        return lambda: frames[way, step].append(renderer.render(case.ways[way], plan.size_px, step=step).stats)
 
-    timed = side_by_side({str(step): drawing(step) for step in STEPS}, plan.repeats, seconds=seconds, clock=clock)
+    jobs = {f"{way} {step}": drawing(way, step) for way, step in frames}
+    timed = side_by_side(jobs, plan.repeats, seconds=seconds, clock=clock)
     rows = []
-    for step in STEPS:
-        counted = frames[step][-len(timed[str(step)].wall) :]
-        drawn = renderer.render(scene, plan.error_size_px, step=step).rgba
+    for way, step in frames:
+        counted = frames[way, step][-len(timed[f"{way} {step}"].wall) :]
+        drawn = renderer.render(case.ways[way], plan.error_size_px, step=step).rgba
         passes = {
             key: spread([frame["milliseconds"].get(key, 0.0) for frame in counted]) for key in counted[-1]["milliseconds"]
         }
         rows.append(
             {
                 "scene": name,
-                "renderer": "airlight",
+                "renderer": way,
                 "step": step,
                 "milliseconds": passes,
                 "samples": counted[-1]["samples"],

@@ -10,12 +10,14 @@ all pixels between rings.
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
+from ..keeping import Kept
 from ..volume import FloatArray
 from .sources import Source, picture_of
 from .sphere import cubic_at, linear_at, mean_of, octahedral_directions, resized, row_areas
@@ -30,12 +32,20 @@ LAYERS = len(WIDTHS) + 1
 REFLECTION_TEXELS, HEIGHT_NODES, TURN_NODES = 64, 64, 8
 
 
-@lru_cache(maxsize=4)
-def light_maps(source: Source) -> npt.NDArray[np.float32]:
+_KEPT: Kept[Source, npt.NDArray[np.float32]] = Kept(4)
+
+
+def light_maps(source: Source, progress: Callable[[str, int, int], None] | None = None) -> npt.NDArray[np.float32]:
     """Return octahedral maps (layers, n, n, 4), float32: the mirror, then rougher and rougher lobes, see ``layer_of``.
 
     The same array for an equal environment. Texels are at ``octahedral_directions``; those of an edge are equal in pairs.
+    ``progress`` is told of the layers while they are made, a second or so.
     """
+    return _KEPT.get(source, lambda: _made(source, progress or (lambda _what, _done, _total: None)))
+
+
+def _made(source: Source, progress: Callable[[str, int, int], None]) -> npt.NDArray[np.float32]:
+    progress("environment", 0, LAYERS)
     directions = octahedral_directions(TEXELS)
     picture = np.asarray(picture_of(source), dtype=np.float64)
     maps = np.ones((LAYERS, TEXELS, TEXELS, 4), dtype=np.float32)
@@ -43,16 +53,20 @@ def light_maps(source: Source) -> npt.NDArray[np.float32]:
     maps[0, ..., :3] = linear_at(sharp, directions)
     by_rows = [int(np.clip(ROWS_PER_WIDTH / alpha, LEAST_ROWS, ROWS)) for alpha in WIDTHS]
 
-    def fill(rows: int) -> None:
-        """Lobes that ask for equally fine pixels share them, and the way from rings to texels."""
+    def fill(rows: int) -> int:
+        """Lobes that ask for equally fine pixels share them, and the way from rings to texels; return how many they are."""
         layers = [layer for layer, asked in enumerate(by_rows, start=1) if asked == rows]
         seen = resized(picture, rows, 2 * rows)
         rings = np.concatenate([means_on_rings(seen, WIDTHS[layer - 1]) for layer in layers], axis=-1)
         found = cubic_at(rings, directions).reshape(TEXELS, TEXELS, len(layers), 3)
         maps[layers, ..., :3] = np.maximum(np.moveaxis(found, 2, 0), 0.0)
+        return len(layers)
 
+    done = 1
     with ThreadPoolExecutor() as pool:
-        list(pool.map(fill, sorted(set(by_rows), reverse=True)))
+        for filled in as_completed([pool.submit(fill, rows) for rows in sorted(set(by_rows), reverse=True)]):
+            done += filled.result()
+            progress("environment", done, LAYERS)
     maps.setflags(write=False)
     return maps
 

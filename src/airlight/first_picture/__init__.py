@@ -10,13 +10,21 @@ from ..stages.integrate import XRay
 from ..stages.shade import BlinnPhong
 from ..transfer import Channels, TransferFunction, presets
 from ..transfer.attenuation import WATER_PER_MM
-from ..volume import Volume, statistics
+from ..volume import FloatArray, Volume, statistics
 from .channels import automatic_channels, channels_picture
 from .functions import SOLID_PER_VOXEL, chosen_function
 from .survey import Survey, is_ct, survey
-from .view import chosen_direction, chosen_lights, fitted_camera, visible_points
+from .view import MARGIN, chosen_direction, chosen_lights, fitted_camera, visible_points
 
-__all__ = ["automatic_channels", "automatic_transfer", "first_picture", "projection_transfer", "resolve", "resolved_camera"]
+__all__ = [
+    "automatic_channels",
+    "automatic_transfer",
+    "first_picture",
+    "projection_transfer",
+    "refitted_camera",
+    "resolve",
+    "resolved_camera",
+]
 
 BACKGROUND = (0.0, 0.0, 0.0)
 
@@ -104,7 +112,18 @@ def resolved_camera(scene: Scene, size_px: tuple[int, int]) -> Camera:
         for c in layer.volume.corners_world(cells=getattr(layer.look.field, "cells", False))
     ]
     corners += [corner for shape in scene.meshes for corner in shape.corners_world]
-    return fit_camera(scene.camera, corners, size_px[0] / size_px[1])
+    return fit_camera(scene.camera, corners, size_px[0] / size_px[1], margin=MARGIN * _room(scene))
+
+
+def refitted_camera(scene: Scene, points_world: FloatArray, size_px: tuple[int, int]) -> Camera:
+    """Camera that looks as the one of a first picture does, and shows all points (n, 3), with room for annotations."""
+    camera = resolved_camera(scene, size_px)
+    _, up, forward = camera.basis()
+    return fitted_camera(points_world, -forward, up, size_px[0] / size_px[1], _room(scene))
+
+
+def _room(scene: Scene) -> float:
+    return max((annotation.margin for annotation in scene.annotations), default=1.0)
 
 
 def _function_for(layer: Layer) -> TransferFunction:

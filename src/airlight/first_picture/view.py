@@ -104,12 +104,12 @@ def _thin_first(solid: npt.NDArray[np.bool_]) -> float:
     return float((first < 0.2 * met)[met > 0].mean()) if met.any() else 0.0
 
 
-def fitted_camera(points: FloatArray, to_eye: FloatArray, up: FloatArray, aspect: float) -> Camera:
-    """Perspective camera that looks along a direction and shows all points, in the middle of the picture."""
+def fitted_camera(points: FloatArray, to_eye: FloatArray, up: FloatArray, aspect: float, room: float = 1.0) -> Camera:
+    """Perspective camera that looks along a direction and shows all points, in the middle of the picture, with room round."""
     right = np.cross(up, to_eye)
     right /= np.linalg.norm(right)
     above = np.cross(to_eye, right)
-    tangent = math.tan(math.radians(FOV_DEG) / 2) / MARGIN
+    tangent = math.tan(math.radians(FOV_DEG) / 2) / (MARGIN * room)
     target = (points.min(axis=0) + points.max(axis=0)) / 2
     distance = 0.0
     for _ in range(3):

@@ -132,7 +132,15 @@ class Lines(_Marks):
 
     @staticmethod
     def box(volume: Volume, *, cells: bool = False, color: Colour = (1.0, 1.0, 1.0), **options: Any) -> Lines:
-        """Edges of a volume's box: through the centres of its outermost voxels, or round their cells."""
+        """Edges of a volume's box: through the centres of its outermost voxels, or round their cells.
+
+        Raises
+        ------
+        DataError
+            For what is no volume.
+        """
+        if not isinstance(volume, Volume):
+            raise DataError("lines.box", f"got a {type(volume).__name__}", "give an airlight.Volume")
         return Lines(volume.corners_world(cells)[np.array(EDGES)], color=color, **options)
 
     @staticmethod

@@ -16,6 +16,7 @@ from ..transfer.colour import MOST_COLOUR, Colour
 from ..transfer.given import flag, set_fields, share
 from ..volume import FloatArray, checked_affine
 from .arrays import IndexArray, colours_of, digest, faces_of, points_of
+from .closed import facing
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +46,8 @@ class Mesh:
         Whether normals run smoothly from vertex to vertex; otherwise each triangle is flat.
     lit
         Whether lights count; otherwise the colours are shown as they are.
+    clipped
+        Whether the scene's clips cut it as they cut volumes: what they cut away is not there, and the inner side shows.
     source
         File that it was read from, which scene files name, and the digest of what was in it.
 
@@ -65,6 +68,7 @@ class Mesh:
     world_from_mesh: FloatArray | None = None
     smooth: bool = True
     lit: bool = True
+    clipped: bool = False
     source: tuple[str, str] | None = None
 
     def __init__(
@@ -78,6 +82,7 @@ class Mesh:
         world_from_mesh: npt.ArrayLike | None = None,
         smooth: bool = True,
         lit: bool = True,
+        clipped: bool = False,
         source: tuple[str, str] | None = None,
     ) -> None:
         if isinstance(vertices, (str, os.PathLike)):
@@ -100,6 +105,7 @@ class Mesh:
             world_from_mesh=None if world_from_mesh is None else checked_affine(world_from_mesh, "mesh.world_from_mesh"),
             smooth=flag(smooth, "mesh.smooth"),
             lit=flag(lit, "mesh.lit"),
+            clipped=flag(clipped, "mesh.clipped"),
             source=source,
         )
 
@@ -120,7 +126,9 @@ class Mesh:
 
     def moved(self, world_from_world: npt.ArrayLike) -> Mesh:
         """Return the mesh where an affine (4, 4) of the world takes it; nothing of it is uploaded again."""
-        return replace(self, world_from_mesh=checked_affine(world_from_world, "mesh.moved") @ self.matrix)
+        made = replace(self, world_from_mesh=checked_affine(world_from_world, "mesh.moved") @ self.matrix)
+        made.__dict__["bounds"] = self.bounds
+        return made
 
     @property
     def opaque(self) -> bool:
@@ -133,10 +141,14 @@ class Mesh:
         return np.eye(4) if self.world_from_mesh is None else self.world_from_mesh
 
     @cached_property
+    def bounds(self) -> FloatArray:
+        """Least and greatest corner (2, 3), in the mesh's own space."""
+        return np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    @cached_property
     def corners_world(self) -> FloatArray:
         """Eight corners (8, 3) of its box, in the world."""
-        ends = np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
-        corners = np.stack(np.meshgrid(*ends.T, indexing="ij"), axis=-1).reshape(-1, 3)
+        corners = np.stack(np.meshgrid(*self.bounds.T, indexing="ij"), axis=-1).reshape(-1, 3)
         return np.asarray(corners @ self.matrix[:3, :3].T + self.matrix[:3, 3])
 
     @cached_property
@@ -154,6 +166,17 @@ class Mesh:
         lengths = np.linalg.norm(found, axis=1, keepdims=True)
         return np.asarray(found / np.where(lengths > 0, lengths, 1.0))
 
+    @cached_property
+    def outward(self) -> int:
+        """Return 1 where the faces of a closed mesh look out as it lies in the world, -1 where they look in.
+
+        Raises
+        ------
+        DataError
+            For meshes that are open or enclose nothing.
+        """
+        return facing(self) * int(np.sign(np.linalg.det(self.matrix[:3, :3])))
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Mesh) and self._content == other._content
 
@@ -166,4 +189,4 @@ class Mesh:
     @cached_property
     def _content(self) -> tuple[Any, ...]:
         arrays = digest(self.vertices, self.faces, self.colors, self.world_from_mesh)
-        return arrays, self.color, self.opacity, self.smooth, self.lit, self.source
+        return arrays, self.color, self.opacity, self.smooth, self.lit, self.clipped, self.source

@@ -12,7 +12,8 @@ from .marks import Lines, Points
 from .mesh import Mesh
 
 MOST_POINTS = 100_000
-MESH_ENTRIES = ("color", "opacity", "world_from_mesh", "smooth", "lit")
+MESH_ENTRIES = ("color", "opacity", "world_from_mesh", "smooth", "lit", "clipped")
+SOLID_ENTRIES = ("file", "world_from_mesh", "smooth")
 MARK_ENTRIES = ("points", "color", "colors", "opacity", "width_px", "width_world")
 
 
@@ -60,6 +61,23 @@ def from_dict(data: Mapping[str, Any], place: Callable[[str], str]) -> Mesh | Li
     return (Lines if kind == "lines" else Points)(data["points"], **options)
 
 
+def solid_from_dict(data: Mapping[str, Any], place: Callable[[str], str]) -> Mesh:
+    """Return the closed mesh that a clip names by its file; a matrix may be sixteen numbers, row by row.
+
+    Raises
+    ------
+    ValueRangeError
+        Without a file.
+    """
+    if not isinstance(data.get("file"), str):
+        raise ValueRangeError("clip.file", "is missing", "name the file of a closed mesh")
+    given = {name: value for name, value in data.items() if name != "file"}
+    matrix = given.get("world_from_mesh")
+    if isinstance(matrix, list | tuple) and len(matrix) == 16:
+        given["world_from_mesh"] = _rows(matrix, "clip.world_from_mesh")
+    return Mesh.open(place(data["file"]), **given)
+
+
 def from_text(name: str, options: Mapping[str, Any]) -> Mesh:
     """Return the mesh of a file with options that were typed: a matrix is sixteen numbers, row by row.
 
@@ -73,9 +91,13 @@ def from_text(name: str, options: Mapping[str, Any]) -> Mesh:
         if option not in MESH_ENTRIES:
             raise ValueRangeError(f"mesh.{option}", "is unknown", f"use {', '.join(MESH_ENTRIES)}")
     if "world_from_mesh" in given:
-        rows = finite_numbers(given["world_from_mesh"], "mesh.world_from_mesh", 16)
-        given["world_from_mesh"] = [rows[first : first + 4] for first in range(0, 16, 4)]
+        given["world_from_mesh"] = _rows(given["world_from_mesh"], "mesh.world_from_mesh")
     return Mesh.open(name, **given)
+
+
+def _rows(numbers: Any, where: str) -> list[tuple[float, ...]]:
+    found = finite_numbers(numbers, where, 16)
+    return [found[first : first + 4] for first in range(0, 16, 4)]
 
 
 def _plain(value: Any) -> Any:

@@ -1,9 +1,9 @@
-"""Blocks of voxels: the ranges of their values, computed on the device, and how far rays may leap over them."""
+"""Blocks of voxels: in which of them there is something to be seen, and how far rays may leap over the others."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,72 +11,153 @@ import numpy as np
 import numpy.typing as npt
 import wgpu
 
-from ..errors import LimitError
-from ..shader.program import Program
-from ..stage import BLOCK_VOXELS
-from . import compute
+from ..stage import (
+    BLOCK_VOXELS,
+    BOUND_GROUP_VOXELS,
+    BOUND_VOXELS,
+    BlockBounds,
+    BlockLeaps,
+    BlockRanges,
+    BlockShares,
+    BlockSlopes,
+    BlockVariable,
+    Within,
+)
+from ..volume import AnyArray
 from .device import Device
+from .ranges import Ranges, label_ranges, label_shares, sample_ranges
 
 MOST_LEAP = 15  # blocks: those before the next one that counts
 MOST_GROUPS = 4096
-Ranges = npt.NDArray[np.float32]
+
+Known = Callable[[BlockVariable], Ranges]
 
 
-def compute_ranges(
-    device: Device, program: Program, packed: bytes, bound: Mapping[str, Any], size: tuple[int, int, int]
-) -> Ranges:
-    """Least and greatest value of each block, (z, y, x, 2), by a program that writes ``ranges_out``.
+def known_blocks(device: Device) -> Known:
+    """Ranges of variables, those of samples and labels kept with their volume."""
 
-    Raises
-    ------
-    LimitError
-        When they do not fit into one binding of the device.
-    """
-    x, y, z = size
-    count = x * y * z * 8
-    most = device.limits["max-storage-buffer-binding-size"]
-    if count > most:
-        raise LimitError("volume", f"has {x * y * z} blocks of voxels; {device.info.name} takes {most // 8}", 'use skip="none"')
-    usage = wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC
-    target = device.gpu.create_buffer(size=count, usage=usage)
-    uniforms = compute.write_uniforms(device, "uniforms of ranges", packed)
-    pipeline = compute.pipeline_of(device, program)
-    groups = compute.bind_groups(device, pipeline, {**bound, "uniforms": uniforms, "ranges_out": target})
-    compute.dispatch(device, pipeline, groups, (-(-x // 16), -(-y // 4), z))
-    return np.frombuffer(device.queue.read_buffer(target), dtype=np.float32).reshape(z, y, x, 2)
+    def known(variable: BlockVariable) -> Ranges:
+        match variable:
+            case BlockSlopes():
+                return known(variable.ranges)
+            case BlockShares():
+                numbers, reach = variable.numbers, variable.reach
+                ranks: Ranges = device.kept.get(("label ranges", reach), lambda: label_ranges(numbers, reach), numbers)
+                return label_shares(ranks, variable.drawn)
+            case BlockRanges():
+                grid = variable.grid
+                key = ("ranges", grid.channels[variable.place], grid.time, grid.masked, grid.filtered, variable.reach)
+                found: Ranges = device.kept.get(key, lambda: sample_ranges(device, variable), grid.volume)
+                return found
+
+    return known
 
 
-def occupied(ranges: Ranges, empty: Sequence[tuple[float, float]]) -> npt.NDArray[np.bool_]:
-    """Whether there is something in each block (z, y, x): its values do not lie within one closed interval of ``empty``."""
-    found = np.ones(ranges.shape[:3], dtype=bool)
-    for first, last in empty:
-        outside = np.zeros_like(found)
-        if first > -np.inf:
-            outside |= ranges[..., 0] < first
-        if last < np.inf:
-            outside |= ranges[..., 1] > last
-        found &= outside
+def occupied(empty: tuple[tuple[Within, ...], ...], known: Known, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
+    """Whether there is something in each block (z, y, x): under some condition no alternative holds."""
+    found = np.zeros(shape, dtype=bool)
+    for condition in empty:
+        fails = np.ones(shape, dtype=bool)
+        for within in condition:
+            fails &= _leaves(known(within.variable), within)
+        found |= fails
     return found
+
+
+def _leaves(ranges: Ranges, within: Within) -> npt.NDArray[np.bool_]:
+    """Whether a variable leaves an interval in each block."""
+    variable, low, high = within.variable, within.low, within.high
+    least, greatest = field_range(ranges, variable)
+    leaves = np.zeros(least.shape, dtype=bool)
+    if low > -np.inf:
+        leaves |= least < _end(low, least.dtype, math.ceil)
+    if high < np.inf:
+        leaves |= greatest > _end(high, least.dtype, math.floor)
+    return leaves
+
+
+def field_range(ranges: Ranges, variable: BlockVariable) -> tuple[AnyArray, AnyArray]:
+    """Least and greatest that a variable takes in each block, from the range of what it is made of."""
+    overshoot = variable.overshoot if isinstance(variable, BlockRanges) else 0.0
+    if not (overshoot or isinstance(variable, BlockSlopes)):
+        return ranges.least, ranges.greatest
+    least, greatest = ranges.least.astype(np.float32), ranges.greatest.astype(np.float32)
+    width = np.maximum(greatest - least, 0)
+    if isinstance(variable, BlockSlopes):
+        return np.zeros_like(width), width * np.float32(variable.per_value)
+    return least - np.float32(overshoot) * width, greatest + np.float32(overshoot) * width
+
+
+def _end(end: float, dtype: np.dtype[Any], rounded: Callable[[float], int]) -> Any:
+    """End of an interval in the type of what it is compared with, so that nothing is converted."""
+    if dtype.kind == "f":
+        return np.float32(end) if abs(end) <= np.finfo(np.float32).max else end
+    info = np.iinfo(dtype)
+    return min(max(rounded(end), info.min - 1), info.max + 1)
+
+
+def block_bounds(device: Device, asked: BlockBounds) -> Any:
+    """Texture of the greatest or the least value of each block, not rounded inwards."""
+    told = asked.ranges
+    grid = told.grid
+    key = (
+        "bounds",
+        asked.of_least,
+        grid.channels[told.place],
+        grid.time,
+        grid.masked,
+        grid.filtered,
+        told.reach,
+        told.overshoot,
+    )
+
+    def make() -> Any:
+        ends = field_range(known_blocks(device)(told), told)[0 if asked.of_least else 1]
+        reduce = np.minimum if asked.of_least else np.maximum
+        own = pooled(outwards(ends, asked.of_least), BOUND_VOXELS // BLOCK_VOXELS, reduce)
+        group = pooled(own, BOUND_GROUP_VOXELS // BOUND_VOXELS, reduce)
+        for axis in range(3):
+            group = np.repeat(group, BOUND_GROUP_VOXELS // BOUND_VOXELS, axis)
+        z, y, x = own.shape
+        return upload_blocks(device, np.stack([own, group[:z, :y, :x]], axis=-1), "rg16float")
+
+    return device.kept.get(key, make, grid.volume)
+
+
+def pooled(ends: AnyArray, count: int, reduce: np.ufunc) -> AnyArray:
+    """Least or greatest of groups of so many numbers along each axis (z, y, x)."""
+    for axis in range(3):
+        ends = reduce.reduceat(ends, np.arange(0, ends.shape[axis], count), axis=axis)
+    return ends
+
+
+def outwards(ends: AnyArray, of_least: bool) -> npt.NDArray[np.float16]:
+    """Half floats that are not above the least values, or not below the greatest."""
+    with np.errstate(over="ignore"):
+        halves = ends.astype(np.float16)
+    inside = halves > ends if of_least else halves < ends
+    towards = np.float16(-np.inf if of_least else np.inf)
+    return np.where(inside, np.nextafter(halves, towards), halves)
 
 
 def leaps(near: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint8]:
     """How far each block (z, y, x) is from the next in which there is something, in blocks along the farthest axis.
 
     At most ``MOST_LEAP``; 0 where there is something in the block itself. What is near grows by a block all round, 64 blocks to
-    a word, and the steps that a block waits for it are counted in binary, a bit of all blocks at a time.
+    a word. A block that waits for so many steps has been far at each of them: a bit of their number turns at every so many.
     """
     words = _packed(near)
     bits = [np.zeros_like(words) for _ in range(MOST_LEAP.bit_length())]
-    for _ in range(MOST_LEAP):
-        carry = ~words
-        for bit in bits:
-            bit ^= carry
-            carry &= ~bit
+    for step in range(1, MOST_LEAP + 1):
+        far = ~words
+        for power, bit in enumerate(bits):
+            if step % (1 << power) == 0:
+                bit ^= far
         words = _grown(words)
-    places = (np.unpackbits(bit.view(np.uint8), axis=-1, count=near.shape[2], bitorder="little") for bit in bits)
     distance = np.zeros(near.shape, dtype=np.uint8)
-    for power, place in enumerate(places):
-        distance |= place << np.uint8(power)
+    for bit in reversed(bits):
+        distance += distance
+        distance |= np.unpackbits(bit.view(np.uint8), axis=-1, count=near.shape[2], bitorder="little")
     return distance
 
 
@@ -102,9 +183,13 @@ def _grown(words: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
 
 @dataclass(frozen=True, eq=False)
 class Leaps:
-    """Leaps as a texture; and groups of blocks in which there is something: each one's place (n, 3), x y z, and its side."""
+    """Leaps as a texture; and groups of blocks in which there is something: each one's place (n, 3), x y z, and its side.
+
+    ``share`` is that of the blocks in which there is.
+    """
 
     texture: Any
+    share: float
     groups: npt.NDArray[np.int64]
     group_voxels: int
 
@@ -114,25 +199,52 @@ class Leaps:
         return int(math.prod(self.texture.size)) + self.groups.nbytes
 
 
-def make_leaps(device: Device, ranges: Ranges, empty: Sequence[tuple[float, float]]) -> Leaps:
+def block_leaps(device: Device, asked: BlockLeaps, shape: tuple[int, ...]) -> Leaps:
+    """Leaps over blocks (z, y, x), made anew only where what is empty, or how it is told, changes."""
+    owners: list[Any] = []
+
+    def number(owner: Any) -> int:
+        if not any(owner is known for known in owners):
+            owners.append(owner)
+        return next(i for i, known in enumerate(owners) if owner is known)
+
+    def told(variable: BlockVariable) -> tuple[Any, ...]:
+        """What tells a variable from others, without what lives as long as the volume."""
+        match variable:
+            case BlockSlopes():
+                return ("slopes", variable.per_value, *told(variable.ranges))
+            case BlockShares():
+                return ("shares", number(variable.numbers), variable.drawn, variable.reach)
+        grid = variable.grid
+        traits = (grid.channels, grid.time, grid.masked, grid.filtered)
+        return ("values", number(grid.volume), *traits, variable.place, variable.reach, variable.overshoot)
+
+    key = tuple(tuple((*told(w.variable), w.low, w.high) for w in condition) for condition in asked.empty)
+
+    def make() -> Leaps:
+        return make_leaps(device, occupied(asked.empty, known_blocks(device), shape))
+
+    found: Leaps = device.kept.get(("leaps", shape, key), make, *owners)
+    return found
+
+
+def make_leaps(device: Device, near: npt.NDArray[np.bool_]) -> Leaps:
     """Leaps over blocks, on the device, and where there is something."""
-    near = occupied(ranges, empty)
     active, side = near, BLOCK_VOXELS
     while np.count_nonzero(active) > MOST_GROUPS:
-        for axis in range(3):
-            line = np.moveaxis(active, axis, 0)
-            pairs = line[::2].copy()
-            pairs[: len(line) // 2] |= line[1::2]
-            active = np.moveaxis(pairs, 0, axis)
+        for before in ((), (slice(None),), (slice(None), slice(None))):
+            pairs, others = active[(*before, slice(0, None, 2))].copy(), active[(*before, slice(1, None, 2))]
+            pairs[(*before, slice(0, others.shape[len(before)]))] |= others
+            active = pairs
         side *= 2
-    return Leaps(upload_leaps(device, leaps(near)), np.argwhere(active)[:, ::-1], side)
+    return Leaps(upload_blocks(device, leaps(near), "r8uint"), float(near.mean()), np.argwhere(active)[:, ::-1], side)
 
 
-def upload_leaps(device: Device, texels: npt.NDArray[np.uint8]) -> Any:
-    """Put leaps into a 3-D texture of whole numbers."""
-    z, y, x = texels.shape
+def upload_blocks(device: Device, texels: AnyArray, texel_format: str) -> Any:
+    """Put a number for each block (z, y, x) into a 3-D texture."""
+    z, y, x = texels.shape[:3]
     usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
-    texture = device.gpu.create_texture(size=(x, y, z), dimension="3d", format="r8uint", usage=usage)
-    layout = {"bytes_per_row": x, "rows_per_image": y}
+    texture = device.gpu.create_texture(size=(x, y, z), dimension="3d", format=texel_format, usage=usage)
+    layout = {"bytes_per_row": texels[0, 0].nbytes, "rows_per_image": y}
     device.queue.write_texture({"texture": texture}, np.ascontiguousarray(texels), layout, (x, y, z))
     return texture

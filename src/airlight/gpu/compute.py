@@ -53,10 +53,14 @@ def _compile(device: Device, program: Program) -> Pipeline:
 
 
 def layouts_of(device: Device, program: Program, seen_by: int) -> tuple[Any, ...]:
-    """Layouts of the bind groups of a program, for these stages of a pipeline."""
+    """Layouts of the bind groups of a program, for these stages of a pipeline; vertices write into no buffer."""
     layouts = []
     for group in range(GROUPS):
-        entries = [_layout_entry(device, b) | {"visibility": seen_by} for b in program.bindings if b.group == group]
+        entries = [
+            _layout_entry(device, b) | {"visibility": seen_by & ~(wgpu.ShaderStage.VERTEX if b.kind == "buffer" else 0)}
+            for b in program.bindings
+            if b.group == group
+        ]
         layouts.append(device.gpu.create_bind_group_layout(entries=entries))
     return tuple(layouts)
 

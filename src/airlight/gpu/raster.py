@@ -49,9 +49,10 @@ class Targets:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A mesh with what is bound to draw it."""
+    """A mesh with the pipeline that draws it, and what is bound to that."""
 
     triangles: Triangles
+    pipeline: Pipeline
     groups: list[Any]
 
 
@@ -124,6 +125,7 @@ def render_pipeline(device: Device, program: Program) -> Pipeline:
 
 def _compile(device: Device, program: Program) -> Pipeline:
     layouts = layouts_of(device, program, wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
+    draws = "fragments" not in program.key.outputs  # what is gathered is written into buffers
     corner = {"array_stride": 12, "attributes": [{"format": "float32x3", "offset": 0, "shader_location": 0}]}
     try:
         module = device.gpu.create_shader_module(code=program.linked.text)
@@ -131,8 +133,12 @@ def _compile(device: Device, program: Program) -> Pipeline:
             layout=device.gpu.create_pipeline_layout(bind_group_layouts=layouts),
             vertex={"module": module, "entry_point": "at_corner", "buffers": [corner]},
             primitive={"topology": "triangle-list", "cull_mode": "none"},
-            depth_stencil={"format": DEPTH_FORMAT, "depth_write_enabled": True, "depth_compare": "greater"},
-            fragment={"module": module, "entry_point": "nearest", "targets": [{"format": FOUND_FORMAT}]},
+            depth_stencil={
+                "format": DEPTH_FORMAT,
+                "depth_write_enabled": draws,
+                "depth_compare": "greater" if draws else "always",
+            },
+            fragment={"module": module, "entry_point": "nearest", "targets": [{"format": FOUND_FORMAT}] if draws else []},
         )
     except wgpu.GPUError as error:
         raise shader_error(program, str(error)) from error
@@ -141,14 +147,16 @@ def _compile(device: Device, program: Program) -> Pipeline:
 
 def bound(device: Device, pipeline: Pipeline, triangles: Triangles, resources: Mapping[str, Any]) -> Drawn:
     """Mesh with the resources of a pipeline."""
-    return Drawn(triangles, bind_groups(device, pipeline, resources))
+    return Drawn(triangles, pipeline, bind_groups(device, pipeline, resources))
 
 
-def draw(device: Device, pipeline: Pipeline, found: Any, depth: Any, meshes: Sequence[Drawn], clears_to: float = 0.0) -> None:
-    """Submit a pass that draws meshes into cleared targets."""
+def draw(device: Device, found: Any, depth: Any, meshes: Sequence[Drawn], clears_to: float = 0.0) -> None:
+    """Submit a pass that draws meshes into cleared targets; ``found`` is None where it writes into buffers alone."""
     encoder = device.gpu.create_command_encoder()
     pass_ = encoder.begin_render_pass(
-        color_attachments=[{"view": found, "load_op": "clear", "store_op": "store", "clear_value": (0, 0, 0, 0)}],
+        color_attachments=[{"view": found, "load_op": "clear", "store_op": "store", "clear_value": (0, 0, 0, 0)}]
+        if found is not None
+        else [],
         depth_stencil_attachment={
             "view": depth,
             "depth_load_op": "clear",
@@ -156,8 +164,8 @@ def draw(device: Device, pipeline: Pipeline, found: Any, depth: Any, meshes: Seq
             "depth_clear_value": clears_to,
         },
     )
-    pass_.set_pipeline(pipeline.pipeline)
     for mesh in meshes:
+        pass_.set_pipeline(mesh.pipeline.pipeline)
         for number, group in enumerate(mesh.groups):
             pass_.set_bind_group(number, group)
         pass_.set_vertex_buffer(0, mesh.triangles.corners)

@@ -38,25 +38,25 @@ class Pace:
         self.pixels_per_second = rate if not self.pixels_per_second else 0.5 * (self.pixels_per_second + rate)
 
 
-def tiles(width: int, first_row: int, rows: int, pace: Pace) -> Iterator[Tile]:
-    """Cover rows of an image with tiles of the pace's size: whole rows, or parts of one where a row takes too long."""
+def tiles(width: int, first_row: int, rows: int, pace: Pace, least_rows: int = 1) -> Iterator[Tile]:
+    """Cover rows of an image with tiles of the pace's size: whole rows, or parts of the least number of them."""
     y = first_row
     # Begin small and at most double: what is drawn first may be the background.
     most = FIRST_TILE_PIXELS
     while y < first_row + rows:
         pixels = min(pace.pixels(), most)
         most = 2 * pixels
-        if pixels >= width:
+        if pixels >= width * least_rows:
             height = min(pixels // width, first_row + rows - y)
             yield Tile(0, y, width, height)
             y += height
             continue
-        x = 0
+        x, height = 0, min(least_rows, first_row + rows - y)
         while x < width:
-            part = min(max(pace.pixels(), 64), FIRST_TILE_PIXELS, width - x)
-            yield Tile(x, y, part, 1)
+            part = min(max(pace.pixels() // height, 64), FIRST_TILE_PIXELS, width - x)
+            yield Tile(x, y, part, height)
             x += part
-        y += 1
+        y += height
 
 
 def run_tiles(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .dense import LabelNumbers, label_numbers
 from .style import LabelStyle
-from .table import styles_table
+from .table import drawn_labels, styles_table
 from .value import Labels
 
-__all__ = ["LabelNumbers", "LabelStyle", "Labels", "label_numbers", "styles_table"]
+__all__ = ["LabelNumbers", "LabelStyle", "Labels", "drawn_labels", "label_numbers", "styles_table"]

@@ -30,6 +30,16 @@ def styles_table(labels: Labels, time: int = 0) -> npt.NDArray[np.float32]:
     return cache[time]
 
 
+def drawn_labels(labels: Labels, time: int = 0) -> bytes:
+    """Whether each of the labels that occur is drawn, 1 or 0, in rising order of the labels. Made once for a value."""
+    cache: dict[int, bytes] = labels.__dict__.setdefault("_drawn_labels", {})
+    if time not in cache:
+        ids = label_numbers(labels.volume, time, labels.background).ids
+        opacities = styles_table(labels, time).reshape(-1, 4)[: len(ids), 3] % 2
+        cache[time] = (opacities[np.argsort(ids)] > 0).tobytes()
+    return cache[time]
+
+
 def _rows(labels: Labels, time: int) -> npt.NDArray[np.float64]:
     numbers = label_numbers(labels.volume, time, labels.background)
     rows = np.empty((len(numbers.ids), 4))

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from ..environment import Environment
 from ..errors import DataError, StageError
-from ..scene import Scene, fit_camera
+from ..scene import Layer, Scene, fit_camera
 from ..stage import make_stage
 from ..volume import FloatArray
 from . import channels as _channels  # noqa: F401  (its functions put themselves into TRANSFERS)
@@ -29,6 +29,7 @@ from .environment import seen
 from .field import FIELDS
 from .gradient import GRADIENTS
 from .integrate import INTEGRATES
+from .layers import march_layers
 from .march import march
 from .modulation import MODULATIONS
 from .region import REGIONS
@@ -96,13 +97,17 @@ def render(
     refine: str = "bisection",
     blocks: bool = True,
     mesh_layers: int | None = None,
+    adaptive: bool = False,
 ) -> ReferenceImage:
-    """Render a scene of one visible layer.
+    """Render a scene.
+
+    Of several layers surfaces are found within slabs by straight lines; they have no projections, and first hits at samples
+    alone, not in each block.
 
     Parameters
     ----------
     scene
-        What is drawn; its layer's transfer function must be given.
+        What is drawn, without annotations; its layers' transfer functions must be given.
     size
         Width and height in pixels.
     step
@@ -124,35 +129,52 @@ def render(
         Most semi-transparent layers of meshes that a ray meets; None is all.
     blocks
         Whether rays that look for surfaces are sampled in each block of voxels, whatever the step.
+    adaptive
+        Whether slabs of a scene of one layer are longer where little of them gets through to the eye.
 
     Raises
     ------
     DataError
-        When the scene does not have one visible layer with a transfer function, or a stage has no function here.
+        When the scene has no visible layer, one without a transfer function, or a stage has no function here.
     """
-    setup = prepare(scene)
+    setups = prepare_layers(scene)
     step /= substeps or 1
-    return _image(scene, setup, size, step, pixels, progress, offset_fraction, curved, refine, blocks, mesh_layers)
+    return _image(scene, setups, size, step, pixels, progress, offset_fraction, curved, refine, blocks, mesh_layers, adaptive)
 
 
 def converged(
     scene: Scene, size: tuple[int, int], *, pixels: npt.ArrayLike | None = None, step: float = 1 / 16
 ) -> ReferenceImage:
     """Render with tiny steps, the exact integral over each slab, and rays that never end early."""
-    setup = prepare(scene)
+    return _image(scene, tuple(_exact(setup) for setup in prepare_layers(scene)), size, step, pixels)
+
+
+def _exact(setup: Setup) -> Setup:
     exact = dict(setup.stages)
     if exact["transfer"].name == "postclassified":
         exact["transfer"] = make_stage("transfer", "preintegrated")
     if hasattr(exact["integrate"], "opaque_at"):
         exact["integrate"] = replace(exact["integrate"], opaque_at=1.0)
-    return _image(scene, replace(setup, stages=exact), size, step, pixels)
+    return replace(setup, stages=exact)
 
 
 def prepare(scene: Scene) -> Setup:
     """Return what the stages see of a scene of one visible layer."""
     if len(scene.visible_layers) != 1:
-        raise DataError("scene.layers", f"has {len(scene.visible_layers)} visible layers, the reference draws one")
-    (layer,) = scene.visible_layers
+        raise DataError("scene.layers", f"has {len(scene.visible_layers)} visible layers, and one is asked for")
+    return prepare_layers(scene)[0]
+
+
+def prepare_layers(scene: Scene) -> tuple[Setup, ...]:
+    """Return what the stages see of each visible layer of a scene."""
+    setups = tuple(_setup_of(scene, layer) for layer in scene.visible_layers)
+    if not setups:
+        raise DataError("scene.layers", "has no visible layer")
+    least = min(setup.spacing_world for setup in setups)
+    return setups if len(setups) == 1 else tuple(replace(setup, least_spacing_world=least) for setup in setups)
+
+
+def _setup_of(scene: Scene, layer: Layer) -> Setup:
     if layer.transfer is None:
         raise DataError("layer.transfer", "is None, and the reference chooses no function", "pass a TransferFunction")
     stages = layer.stages()
@@ -164,7 +186,7 @@ def prepare(scene: Scene) -> Setup:
 
 def _image(
     scene: Scene,
-    setup: Setup,
+    setups: tuple[Setup, ...],
     size: tuple[int, int],
     step: float,
     pixels: npt.ArrayLike | None,
@@ -174,13 +196,15 @@ def _image(
     refine: str = "bisection",
     blocks: bool = True,
     mesh_layers: int | None = None,
+    adaptive: bool = False,
 ) -> ReferenceImage:
     # Choose the camera.
-    (width, height), camera, tone = size, scene.camera, setup.stages["tone"]
+    (width, height), camera, tone = size, scene.camera, setups[0].stages["tone"]
     if isinstance(camera, str):
-        cells = bool(getattr(setup.stages["field"], "cells", False))
-        camera = fit_camera(camera, setup.layer.volume.corners_world(cells), aspect=width / height)
-    setup = replace(setup, camera=camera, size_px=size)
+        corners = [s.layer.volume.corners_world(bool(getattr(s.stages["field"], "cells", False))) for s in setups]
+        camera = fit_camera(camera, np.concatenate(corners), aspect=width / height)
+    setups = tuple(replace(setup, camera=camera, size_px=size) for setup in setups)
+    setup = setups[0]
     # List the pixels, first row on top.
     y, x = (axis.ravel() for axis in np.indices((height, width)))
     if pixels is not None:
@@ -194,7 +218,11 @@ def _image(
         origin, direction = CAMERAS[camera.name](camera, size, x[part], y[part])
         fraction = 0.0 if offset_fraction is None else np.asarray(offset_fraction(x[part], y[part]), dtype=np.float64)
         found = covers(scene, surface_setup(setup), origin, direction, mesh_layers) if scene.meshes else None
-        result = march(setup, origin, direction, step * setup.spacing_world, fraction, curved, refine, blocks, found)
+        step_world = step * setup.finest_world
+        if len(setups) == 1:
+            result = march(setup, origin, direction, step_world, fraction, curved, refine, blocks, found, adaptive)
+        else:
+            result = march_layers(setups, origin, direction, step_world, fraction, curved, found, refine)
         rgba[part, :3], rgba[part, 3], depth[part] = result.rgb, result.alpha, result.t_world
         if isinstance(scene.background, Environment):
             looks = np.flatnonzero(direction.any(axis=1))

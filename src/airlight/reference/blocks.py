@@ -14,18 +14,25 @@ PIECES = 3
 ROUNDING = 1e-9  # of a block or a piece: where a ray is, it need not go
 
 
-def next_stop(origin_index: FloatArray, direction_index: FloatArray, t_enter: FloatArray, t_world: FloatArray) -> FloatArray:
+def next_stop(
+    origin_index: FloatArray,
+    direction_index: FloatArray,
+    t_enter: FloatArray,
+    t_world: FloatArray,
+    voxels: int = BLOCK_VOXELS,
+    pieces: int = PIECES,
+) -> FloatArray:
     """Next distances (n,) beyond ``t_world`` at which rays that look for surfaces are sampled, apart from their lattice.
 
-    These cut the way through each block into ``PIECES`` equal pieces; that through the first block begins at ``t_enter``.
+    These cut the way through each block into equal pieces; that through the first block begins at ``t_enter``.
     """
-    place = (origin_index + t_world[:, None] * direction_index) / BLOCK_VOXELS
+    place = (origin_index + t_world[:, None] * direction_index) / voxels
     forward, along = direction_index > 0, direction_index != 0
     block = np.where(forward, np.floor(place + ROUNDING), np.ceil(place - ROUNDING) - 1)
     pace = np.where(along, direction_index, 1.0)
-    far, near = ((block + ahead) * BLOCK_VOXELS - origin_index for ahead in (forward, ~forward))
+    far, near = ((block + ahead) * voxels - origin_index for ahead in (forward, ~forward))
     end = np.where(along, far / pace, np.inf).min(axis=1)
     begin = np.maximum(np.where(along, near / pace, -np.inf).max(axis=1), t_enter)
     length = np.maximum(end - begin, 1e-30)
-    piece = np.floor((t_world - begin) / length * PIECES + ROUNDING) + 1
-    return np.asarray(np.where(piece < PIECES, begin + length * piece / PIECES, end))
+    piece = np.floor((t_world - begin) / length * pieces + ROUNDING) + 1
+    return np.asarray(np.where(piece < pieces, begin + length * piece / pieces, end))

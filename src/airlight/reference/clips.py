@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..clips import Box, Clip, Plane, Sphere
+from ..clips import Box, Clip, Plane, Solid, Sphere
 from ..volume import FloatArray
 from .integrate import INTEGRATES
+from .intersections import intersections
 from .region import part_at
 from .setup import BoolArray, IntArray, Lit, Sample, Sent, Setup, Slab, dark, made_slab
 from .shade import SHADES
@@ -19,6 +20,7 @@ SKIN_VOXELS = 4.0
 LEAST_SOLID = 1e-3
 STEEP = 1e30
 NOWHERE = -1
+WINDINGS_AT_ONCE = 1 << 19
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +59,7 @@ def pieces(
     low, high = t_enter[:, None], np.maximum(t_enter, t_leave)[:, None]
     stops = np.sort(np.concatenate([low, np.clip(roots, low, high), high], axis=1), axis=1)
     middle = (stops[:, 1:] + stops[:, :-1]) / 2
-    p_world = origin[:, None, :] + middle[:, :, None] * direction[:, None, :]
-    kept = kept_by_all(clips, p_world.reshape(-1, 3)).reshape(middle.shape)
+    kept = kept_along(clips, origin, direction, middle)
     outside = np.zeros((n, 1), dtype=bool)
     begins = kept & ~np.concatenate([outside, kept[:, :-1]], axis=1)
     ends = kept & ~np.concatenate([kept[:, 1:], outside], axis=1)
@@ -78,13 +79,49 @@ def _cutting(roots: FloatArray, owner: IntArray, t_world: FloatArray, t_domain: 
     return np.where(t_world == t_domain, NOWHERE, owner[np.abs(roots - t_world[:, None]).argmin(axis=1)])
 
 
+def kept_along(clips: tuple[Clip, ...], origin: FloatArray, direction: FloatArray, t_world: FloatArray) -> BoolArray:
+    """Which points at distances (n, m) along n rays are drawn."""
+    p_world = (origin[:, None, :] + t_world[:, :, None] * direction[:, None, :]).reshape(-1, 3)
+    kept = np.ones(t_world.shape, dtype=bool)
+    for clip in clips:
+        if clip.cuts == "volume":
+            kept &= keeps(clip, p_world).reshape(t_world.shape)
+            continue
+        first, last = (end[:, None] for end in _reach(clip, origin, direction))
+        cuts_front, inside = clip.cuts == "front", clip.keep == "inside"
+        begins = t_world >= (first if inside else last)
+        ends = t_world <= (last if inside else first)
+        kept &= (first >= last) | (begins if cuts_front else ends)
+    return kept
+
+
+def _reach(clip: Clip, origin: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Distances (n,) at which rays are in a clip's shape for the first and the last time, from the eye on; equal if never."""
+    roots = surface_distances(clip, origin, direction)
+    far = np.maximum(np.where(np.isfinite(roots), roots, 0.0).max(axis=1, initial=0.0), 0.0)[:, None] + 1.0
+    stops = np.sort(np.concatenate([np.zeros_like(far), np.clip(roots, 0.0, far), far], axis=1), axis=1)
+    middle = (stops[:, 1:] + stops[:, :-1]) / 2
+    p_world = origin[:, None, :] + middle[:, :, None] * direction[:, None, :]
+    inside = _inside(clip, p_world.reshape(-1, 3)).reshape(middle.shape) & (stops[:, 1:] > stops[:, :-1])
+    count = inside.shape[1]
+    number = np.arange(len(stops))
+    first, last = stops[number, inside.argmax(axis=1)], stops[number, count - inside[:, ::-1].argmax(axis=1)]
+    meets = inside.any(axis=1)
+    return np.where(meets, first, 0.0), np.where(meets, np.where(last == far[:, 0], np.inf, last), 0.0)
+
+
 def kept_by_all(clips: tuple[Clip, ...], p_world: FloatArray) -> BoolArray:
     """Which of the points (n, 3) are drawn."""
     return np.asarray(np.logical_and.reduce([np.ones(len(p_world), dtype=bool), *(keeps(clip, p_world) for clip in clips)]))
 
 
 def keeps(clip: Clip, p_world: FloatArray) -> BoolArray:
-    """Which of the points (n, 3) a clip keeps."""
+    """Which of the points (n, 3) a clip keeps, whichever way they are looked at."""
+    return np.asarray(_inside(clip, p_world) == (clip.keep == "inside"))
+
+
+def _inside(clip: Clip, p_world: FloatArray) -> BoolArray:
+    """Which of the points (n, 3) lie in a clip's shape."""
     match clip:
         case Plane():
             inside = (p_world - clip.point) @ np.array(clip.normal) >= 0
@@ -93,7 +130,32 @@ def keeps(clip: Clip, p_world: FloatArray) -> BoolArray:
             inside = ((p_box >= clip.low) & (p_box <= clip.high)).all(axis=1)
         case Sphere():
             inside = np.linalg.norm(p_world - clip.center, axis=1) <= clip.radius
-    return np.asarray(inside == (clip.keep == "inside"))
+        case Solid():
+            inside = clip.closed.outward * winding(_triangles(clip), p_world) > 0.5
+    return np.asarray(inside)
+
+
+def winding(triangles: FloatArray, p_world: FloatArray) -> FloatArray:
+    """How often triangles (m, 3, 3) run round points (n, 3): their solid angles over that of the sphere.
+
+    Of one triangle: twice the angle of ``|a||b||c| + (a.b)|c| + (b.c)|a| + (c.a)|b|`` and ``a.(b x c)`` (van Oosterom and
+    Strackee 1983).
+    """
+    found = np.empty(len(p_world))
+    at_once = max(1, WINDINGS_AT_ONCE // len(triangles))
+    for first in range(0, len(p_world), at_once):
+        a, b, c = (triangles[None] - p_world[first : first + at_once, None, None]).transpose(2, 0, 1, 3)
+        la, lb, lc = (np.linalg.norm(corner, axis=-1) for corner in (a, b, c))
+        ab, bc, ca = ((one * other).sum(axis=-1) for one, other in ((a, b), (b, c), (c, a)))
+        angle = np.arctan2((a * np.cross(b, c)).sum(axis=-1), la * lb * lc + ab * lc + bc * la + ca * lb)
+        found[first : first + at_once] = angle.sum(axis=1) / (2 * np.pi)
+    return found
+
+
+def _triangles(clip: Solid) -> FloatArray:
+    """Corners (m, 3, 3) of a mesh's triangles in the world."""
+    matrix = clip.closed.matrix
+    return np.asarray((clip.closed.vertices @ matrix[:3, :3].T + matrix[:3, 3])[clip.closed.faces])
 
 
 def surface_distances(clip: Clip, origin: FloatArray, direction: FloatArray) -> FloatArray:
@@ -111,6 +173,9 @@ def surface_distances(clip: Clip, origin: FloatArray, direction: FloatArray) -> 
             across = ((way + nearest[:, None] * direction) ** 2).sum(axis=1)
             half = np.sqrt(np.maximum(clip.radius**2 - across, 0.0))
             return np.stack([nearest - half, nearest + half], axis=1)
+        case Solid():
+            met = np.sort(intersections(_triangles(clip), origin, direction)[0], axis=1)
+            return met[:, : int(np.isfinite(met).sum(axis=1).max(initial=0))]
     raise NotImplementedError(clip.kind)
 
 
@@ -127,8 +192,32 @@ def outward(clip: Clip, p_world: FloatArray) -> FloatArray:
             normal = sign[:, None] * np.linalg.inv(clip.matrix)[:3, :3][axis]
         case Sphere():
             normal = p_world - clip.center
+        case Solid():
+            normal = clip.closed.outward * _mesh_normal(clip, p_world)
     facing = normal if clip.keep == "inside" else -normal
     return np.asarray(facing / np.linalg.norm(facing, axis=1, keepdims=True))
+
+
+def _mesh_normal(clip: Solid, p_world: FloatArray) -> FloatArray:
+    """Normals (n, 3) of the triangles on which points lie, as its faces look, mixed of those of the corners if it is smooth."""
+    triangles = _triangles(clip)
+    b, c = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    flat = np.cross(b, c)
+    area = (flat * flat).sum(axis=-1)
+    has_area = area > 1e-24 * area.max()
+    a, b, c, flat, area = triangles[has_area, 0], b[has_area], c[has_area], flat[has_area], area[has_area]
+    faces = clip.closed.faces[has_area]
+    way = p_world[:, None] - a
+    # Shares of the corners b and c, and the distance from the plane: the triangle whose worst is best holds the point.
+    v, w = (np.cross(way, c) * flat).sum(axis=-1) / area, (np.cross(b, way) * flat).sum(axis=-1) / area
+    off = np.abs((way * flat).sum(axis=-1)) / area**0.75
+    best = np.maximum(np.maximum(-v, -w), np.maximum(v + w - 1, off)).argmin(axis=1)
+    if not clip.closed.smooth:
+        return np.asarray(flat[best])
+    rows = np.arange(len(p_world))
+    shares = np.stack([1 - v - w, v, w], axis=-1)[rows, best]
+    inverse = np.linalg.inv(clip.closed.matrix[:3, :3])
+    return np.asarray((shares[..., None] * clip.closed.normals[faces[best]]).sum(axis=1) @ inverse)
 
 
 def box_coordinates(clip: Box, vectors: FloatArray, w: float) -> FloatArray:
@@ -205,7 +294,7 @@ def filled(setup: Setup, here: Sample) -> Sent:
 
 def skin_world(setup: Setup) -> float:
     """Thickness of what is lit as the face before it is."""
-    return SKIN_VOXELS * setup.spacing_world
+    return SKIN_VOXELS * setup.finest_world
 
 
 def _has_surface(setup: Setup) -> bool:

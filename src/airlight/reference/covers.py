@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from ..clips import Clip
 from ..geometry import Lines, Mesh, Points
 from ..scene import Scene
 from ..stage import make_stage
 from ..volume import FloatArray
-from .clips import NOWHERE, Piece
+from .clips import NOWHERE, Piece, kept_along
 from .integrate import Accumulated
+from .intersections import intersections
 from .setup import BoolArray, IntArray, Sample, Setup
 from .shade import SHADES
 
@@ -41,7 +43,7 @@ class Covers:
 def covers(scene: Scene, setup: Setup, origin: FloatArray, direction: FloatArray, layers: int | None = None) -> Covers:
     """All that rays (n, 3) meet of the meshes, lines and points of a scene; ``layers`` bounds what is semi-transparent."""
     n = len(origin)
-    parts = [_met(shape, setup, origin, direction) for shape in scene.meshes]
+    parts = [_left(_met(shape, setup, origin, direction), shape, scene.clips, origin, direction) for shape in scene.meshes]
     t_world = np.concatenate([np.full((n, 1), np.inf), *(part.t_world for part in parts)], axis=1)
     rgb = np.concatenate([np.zeros((n, 1, 3)), *(part.rgb for part in parts)], axis=1)
     alpha = np.concatenate([np.zeros((n, 1)), *(part.alpha for part in parts)], axis=1)
@@ -55,6 +57,17 @@ def covers(scene: Scene, setup: Setup, origin: FloatArray, direction: FloatArray
         hidden = hidden | ((np.cumsum(~opaque & np.isfinite(t_world), axis=1) > layers) & ~opaque)
     t_world = np.where(hidden, np.inf, t_world)
     return Covers(t_world, np.where(hidden[..., None], 0.0, rgb), np.where(hidden, 0.0, alpha))
+
+
+def _left(
+    found: Covers, shape: Mesh | Lines | Points, clips: tuple[Clip, ...], origin: FloatArray, direction: FloatArray
+) -> Covers:
+    """What clips leave of a mesh that is to be cut."""
+    if not (isinstance(shape, Mesh) and shape.clipped and clips):
+        return found
+    met = np.isfinite(found.t_world)
+    met &= kept_along(clips, origin, direction, np.where(met, found.t_world, 0.0))
+    return Covers(np.where(met, found.t_world, np.inf), found.rgb * met[..., None], found.alpha * met)
 
 
 def _met(shape: Mesh | Lines | Points, setup: Setup, origin: FloatArray, direction: FloatArray) -> Covers:
@@ -95,26 +108,6 @@ def _mesh(mesh: Mesh, setup: Setup, origin: FloatArray, direction: FloatArray) -
     t_all[rays, place] = np.concatenate([part[1] for part in found])[order]
     rgba[rays, place] = np.concatenate([part[2] for part in found])[order]
     return Covers(t_all, rgba[..., :3], rgba[..., 3])
-
-
-def intersections(triangles: FloatArray, origin: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distances (n, m) at which rays meet triangles (m, 3, 3), inf where they do not, and shares (n, m, 3) of the corners.
-
-    With edges b and c from the corner a, the point ``a + v b + w c`` of the plane lies on the ray where ``v b + w c - t d =
-    o - a``; Cramer's rule gives v, w and t as quotients of volumes (Moeller and Trumbore 1997).
-    """
-    a, b, c = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    d = direction[:, None]
-    from_a = origin[:, None] - a
-    across = np.cross(d, c)
-    volume = (b * across).sum(axis=-1)
-    safe = np.where(volume == 0, 1.0, volume)
-    other = np.cross(from_a, b)
-    v = (from_a * across).sum(axis=-1) / safe
-    w = (d * other).sum(axis=-1) / safe
-    t = (c * other).sum(axis=-1) / safe
-    meets = (volume != 0) & (v >= 0) & (w >= 0) & (v + w <= 1) & (t > 0)
-    return np.where(meets, t, np.inf), np.stack([1 - v - w, v, w], axis=-1)
 
 
 def _seen(

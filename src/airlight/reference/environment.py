@@ -40,7 +40,8 @@ def environment(setup: Setup, sample: Sample, gradient: FloatArray, to_eye: Floa
     scattered[rows] = radiance(stage.environment, facing[rows], 1.0)
     glossy[rows] = radiance(stage.environment, (2 * n_v * normal - to_eye)[rows], alpha)
     coat = surface * np.interp(np.abs(n_v), COSINES, _reflected(setup, alpha, stage.reflectance))
-    below = (1 - surface) * mean(stage.environment) + surface * ((1 - stage.metallic) * scattered + stage.metallic * glossy)
+    sent = (1 - stage.metallic) * scattered + stage.metallic * glossy
+    below = (1 - surface) * mean(stage.environment) + surface * sent
     arrives = stage.intensity * visibility(setup, None, sample.p_world)
     return Lit(arrives * stage.diffuse * (1 - coat) * below, arrives * coat * glossy)
 
@@ -57,8 +58,9 @@ def _lights(source: Source, rows: int) -> tuple[FloatArray, FloatArray, FloatArr
     return to_light.reshape(-1, 3), areas.ravel(), _of_rows(_pixels(source), rows).reshape(-1, 3)
 
 
+@lru_cache(maxsize=4)
 def mean(surroundings: Environment) -> FloatArray:
-    """Mean (3,) over all directions."""
+    """Mean (3,) over all directions, computed once."""
     pixels = _pixels(surroundings.source)
     _, areas = directions_and_areas(*pixels.shape[:2])
     return np.asarray(np.einsum("hwc,hw->c", pixels, areas) / (4 * np.pi))

@@ -8,14 +8,17 @@ from dataclasses import replace
 import numpy as np
 
 from ..stages.driver import gains_from_curvature
+from ..transfer import Channels, TransferFunction
+from ..transfer.regions import ByRegion
 from ..volume import FloatArray
 from .blocks import next_stop
+from .channels import parts
 from .clips import caps, lit_behind, lit_faces, pieces
 from .covers import Covers, over, parts_of, put_before
 from .cuts import cut_slabs, is_cut, sharpened
 from .field import field_value
 from .integrate import INTEGRATES, Accumulated, Integrate
-from .refine import refined
+from .refine import crossings, refined
 from .setup import IntArray, Sample, Setup, Slab, dark, made_slab
 from .shade import LIGHTINGS
 
@@ -31,12 +34,13 @@ def march(
     refine: str = "bisection",
     blocks: bool = True,
     covers: Covers | None = None,
+    adaptive: bool = False,
 ) -> Accumulated:
     """Integrate rays (n, 3), sampled at distances ``(k + fraction) * step_world``, k whole, and where they enter and leave.
 
     ``curved`` puts values right for the field's curvature where the stages gain from it. ``refine`` tells how the place of a
     surface between two samples is found; with ``blocks`` rays that look for surfaces are sampled in each block of voxels.
-    ``covers`` are what rays meet of meshes.
+    ``covers`` are what rays meet of meshes. ``adaptive`` takes longer slabs where little of them gets through to the eye.
     """
     if refine != "none":
         setup = sharpened(setup)
@@ -54,6 +58,7 @@ def march(
 
     shift = np.broadcast_to(np.asarray(fraction, dtype=np.float64), len(origin))
     curved &= gains_from_curvature(setup.stages)
+    adaptive &= hasattr(setup.stages["integrate"], "opaque_at")
     ended = np.zeros(len(origin), dtype=bool)
     # Composited slabs are put in order with meshes; what is one value of the whole ray stays whole.
     ordered = covers is not None and getattr(setup.stages["integrate"], "takes_covers", False)
@@ -76,18 +81,24 @@ def march(
         faces = lit_faces(setup, sample(np.arange(len(origin)), piece.begin), piece.near, -direction)
 
         while rays.size:
-            # Go to the next sample of the lattice, to the next block, or to where the ray leaves.
+            # Go to the next sample of the lattice, to the next block (for exact roots the next cell), or to where it leaves.
             t_lattice = t_next = (k[rays] + shift[rays]) * step_world
-            if integrate.has_surface and blocks:
+            by_cells = integrate.has_surface and blocks and refine == "exact"
+            if by_cells:
+                t_next = next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world, voxels=1, pieces=1)
+            elif integrate.has_surface and blocks:
                 t_next = np.minimum(t_lattice, next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world))
             back = sample(rays, np.minimum(t_next, t_leave[rays]))
-            k[rays] += t_next >= t_lattice
+            if by_cells:
+                back = _next_side(integrate.level, sample, rays, line, front, back)
+            pace = pace_at(1 - acc.alpha[rays]) if adaptive else np.ones(len(rays))
+            k[rays] = np.where(t_next >= t_lattice, pace * (np.floor(k[rays] / pace) + 1), k[rays])
             going = back.t_world < t_leave[rays]
 
             # Move the sample away from the straight line between its neighbours.
             here = back
             if curved:
-                back = bent(before, here, sample(rays, np.minimum((k[rays] + shift[rays]) * step_world, t_leave[rays])))
+                back = bent(setup, before, here, sample(rays, np.minimum((k[rays] + shift[rays]) * step_world, t_leave[rays])))
 
             # Give an empty end the other end's sample and the slab half its length; leave out slabs with two empty ends.
             length = (back.t_world - front.t_world) * np.where(front.empty | back.empty, 0.5, 1.0)
@@ -148,6 +159,34 @@ def march(
     return integrate.finish(acc)
 
 
+def _next_side(
+    level: float,
+    sample: Callable[[IntArray, FloatArray], Sample],
+    rays: IntArray,
+    line: tuple[FloatArray, FloatArray],
+    front: Sample,
+    back: Sample,
+) -> Sample:
+    """Backs of slabs: the first root where both ends are on one side of the level."""
+    scalar = _scalar(front.value)
+    below = scalar < level
+
+    def field(rows: IntArray, t_world: FloatArray) -> FloatArray:
+        here = sample(rays[rows], t_world)
+        return np.where(here.empty, np.nan, _scalar(here.value))
+
+    ends = np.stack([front.t_world, back.t_world], axis=1)
+    found = crossings(field, (line[0][rays], line[1][rays]), ends, level, np.where(below, 1.0, -1.0))
+    on_one_side = below == (_scalar(back.value) < level)
+    turns = np.isfinite(found) & ~front.empty & (on_one_side | back.empty) & (found > front.t_world) & (found < back.t_world)
+    if not turns.any():
+        return back
+    there = sample(rays, np.where(turns, found, back.t_world))
+    value = there.value.copy()
+    _scalar(value)[turns] = np.where(below, level, np.nextafter(level, -np.inf))[turns]
+    return replace(there, value=value, empty=there.empty & ~turns)
+
+
 def _hit(
     setup: Setup,
     integrate: Integrate,
@@ -185,11 +224,20 @@ def _scalar(value: FloatArray) -> FloatArray:
     return value if value.ndim == 1 else value[:, 0]
 
 
-def bent(before: Sample, here: Sample, after: Sample) -> Sample:
+def pace_at(through: FloatArray) -> FloatArray:
+    """Length (n,) of slabs in steps where rays are adaptive: powers of two, up to 8.
+
+    What a slab is off by grows as the square of its length: squares times what gets through are at most 1.
+    """
+    return np.asarray(2.0 ** sum(through <= 4.0**-n for n in (1, 2, 3)))
+
+
+def bent(setup: Setup, before: Sample, here: Sample, after: Sample) -> Sample:
     """Return samples whose straight connections have the mean of a parabola through three neighbours: a sixth further out.
 
     Between two slabs of lengths L and M a parabola of second derivative c lies ``c L M / 2`` below the chord over both; its
-    mean over a slab of length L lies ``c L^2 / 12`` below the mean of that slab's ends.
+    mean over a slab of length L lies ``c L^2 / 12`` below the mean of that slab's ends. Values at which there is nothing stay
+    on the stretch that they lie on, as the field does.
     """
     whole = after.t_world - before.t_world
     share = np.where(whole > 0, (here.t_world - before.t_world) / np.where(whole > 0, whole, 1.0), 1.0)
@@ -197,7 +245,26 @@ def bent(before: Sample, here: Sample, after: Sample) -> Sample:
     straight = before.value + share * (after.value - before.value)
     # What is not there in one of the three stays as it is, channel by channel.
     there = np.logical_and.reduce([np.isfinite(s.value) & ~s.empty.reshape(share.shape) for s in (before, here, after)])
-    return replace(here, value=np.where(there, here.value + (here.value - straight) / 6, here.value))
+    return replace(here, value=held(setup, here.value, np.where(there, here.value + (here.value - straight) / 6, here.value)))
+
+
+def held(setup: Setup, found: FloatArray, moved: FloatArray) -> FloatArray:
+    """Values ``moved``; those ``found`` on a stretch where nothing is stay on it: the four widest, of channels two."""
+    function = setup.function
+    if isinstance(function, Channels):
+        moved = moved.copy()
+        for place, part in parts(setup):
+            moved[:, place] = _on_stretches(found[:, place], moved[:, place], part.empty_stretches, 2)
+        return moved
+    if isinstance(function, TransferFunction | ByRegion) and found.ndim == 1:
+        return _on_stretches(found, moved, function.empty_stretches, 4)
+    return moved
+
+
+def _on_stretches(found: FloatArray, moved: FloatArray, stretches: Iterable[tuple[float, float]], most: int) -> FloatArray:
+    for low, high in sorted(stretches, key=lambda ends: ends[0] - ends[1])[:most]:
+        moved = np.where((found >= low) & (found <= high), np.clip(moved, low, high), moved)
+    return moved
 
 
 def span(setup: Setup, origin: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:

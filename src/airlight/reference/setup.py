@@ -32,6 +32,7 @@ class Setup:
     camera: Any = None
     size_px: tuple[int, int] = (1, 1)
     clips: tuple[Clip, ...] = ()
+    least_spacing_world: float | None = None  # of all layers of a scene, where there are several
     once: dict[str, FloatArray] = field(default_factory=dict)  # what a stage computes once for the volume, by its name
 
     @cached_property
@@ -70,6 +71,11 @@ class Setup:
     def spacing_world(self) -> float:
         """Smallest voxel spacing."""
         return float(np.linalg.norm(self.layer.volume.world_from_index[:3, :3], axis=0).min())
+
+    @property
+    def finest_world(self) -> float:
+        """Smallest voxel spacing of all layers, in which steps count."""
+        return self.spacing_world if self.least_spacing_world is None else self.least_spacing_world
 
     def index_of(self, p_world: FloatArray) -> FloatArray:
         """Index coordinates of world points (n, 3)."""

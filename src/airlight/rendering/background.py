@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ import numpy as np
 
 from ..environment import Environment
 from ..environment.background import background_picture, is_reduced
+from ..geometry import Mesh
 from ..gpu import compute
 from ..scene import Layer, Look, Scene
 from ..shader.program import ProgramKey, Switches, build_program, stage_key
@@ -44,13 +46,16 @@ def without_layers(scene: Scene) -> Scene:
     layer = scene.layers[0] if scene.layers else _voxel(scene)
     look = Look(shade=layer.look.shade if scene.meshes else "none", tone=layer.look.tone)
     empty = Layer(layer.volume, TransferFunction([(0.0, "black", 0.0)]), look)
-    return replace(scene, layers=(empty,), clips=())
+    cuts_meshes = any(isinstance(shape, Mesh) and shape.clipped for shape in scene.meshes)
+    return replace(scene, layers=(empty,), clips=scene.clips if cuts_meshes else ())
 
 
 def _voxel(scene: Scene) -> Layer:
     corners = np.concatenate([shape.corners_world for shape in scene.meshes])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    size = max(float((high - low).max()), 1e-6 * float(np.abs(corners).max()), 1e-9)
+    # Not much smaller than its distance from the eye, which is told in steps of it.
+    far = 0.0 if isinstance(scene.camera, str) else 1e-3 * math.dist(scene.camera.eye, (low + high) / 2)
+    size = max(float((high - low).max()), far, 1e-6 * float(np.abs(corners).max()), 1e-9)
     return Layer(Volume(np.zeros((1, 1, 1), dtype=np.float32), spacing=(size,) * 3, origin=tuple((low + high) / 2)))
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ..clips import KINDS, Clip
+from ..clips import CUTS, KINDS, Clip, Solid
 from ..scene import Layer, Scene
 from ..shader.layout import class_struct, fill
 from ..shader.program import ClipRecord
@@ -16,9 +17,9 @@ NUMBERS = {kind: number for number, kind in enumerate(KINDS)}
 ALL, SOME, NOTHING = "all", "some", "nothing"
 
 
-def cutting_clips(scene: Scene, layer: Layer) -> tuple[Clip, ...]:
-    """Clips that keep some of a layer's domain, not all of it."""
-    return tuple(clip for clip in scene.clips_of(layer) if kept_of(clip, layer) != ALL)
+def cutting_clips(scene: Scene, layers: Sequence[Layer]) -> tuple[Clip, ...]:
+    """Clips, which are those of each of the layers, that do not keep all of their domains."""
+    return tuple(clip for clip in scene.clips_of(layers[0]) if any(kept_of(clip, layer) != ALL for layer in layers))
 
 
 def nothing_left(scene: Scene) -> str:
@@ -42,6 +43,10 @@ def kept_of(clip: Clip, layer: Layer) -> str:
     Sure of the first and the last: what passes by a corner may be called some.
     """
     cells = bool(getattr(layer.look.field, "cells", False))
+    if isinstance(clip, Solid):
+        return _kept_of_solid(clip, layer.volume, cells)
+    if clip.cuts != "volume":
+        return SOME
     u_world = layer.volume.corners_world(cells) @ clip.unit_from_world[:, :3].T + clip.unit_from_world[:, 3]
     if clip.kind == "plane":
         holds, misses = bool((u_world[:, 0] >= 0).all()), bool((u_world[:, 0] < 0).all())
@@ -51,6 +56,17 @@ def kept_of(clip: Clip, layer: Layer) -> str:
     if clip.keep == "outside":
         holds, misses = misses, holds
     return ALL if holds else NOTHING if misses else SOME
+
+
+def _kept_of_solid(clip: Solid, volume: Volume, cells: bool) -> str:
+    """Whether a closed mesh meets the box of a volume's domain: told by the box round the mesh."""
+    low, high = domain_index(volume.size, cells)
+    inwards = volume.index_from_world
+    corners = clip.closed.corners_world @ inwards[:3, :3].T + inwards[:3, 3]
+    misses = bool(((corners.min(axis=0) > high) | (corners.max(axis=0) < low)).any())
+    if not misses or clip.cuts != "volume":
+        return SOME
+    return NOTHING if clip.keep == "inside" else ALL
 
 
 def _beyond(clip: Clip, volume: Volume, cells: bool) -> bool:
@@ -64,13 +80,19 @@ def _beyond(clip: Clip, volume: Volume, cells: bool) -> bool:
     return bool(((middle - reach > high) | (middle + reach < low)).any())
 
 
-def pack_clips(clips: tuple[Clip, ...], world_from_device: FloatArray) -> bytes:
-    """Bytes of the array of clips, in coordinates that a matrix (4, 4) maps to the world."""
+def pack_clips(clips: tuple[Clip, ...], world_from_device: FloatArray, solids: tuple[Solid, ...] = ()) -> bytes:
+    """Bytes of the array of clips, in coordinates that a matrix (4, 4) maps to the world.
+
+    Meshes are there by their number among ``solids``: what they keep is found pixel by pixel.
+    """
     struct = class_struct(ClipRecord, "ClipRecord")
     records = np.zeros(len(clips), dtype=struct.dtype)
     for record, clip in zip(records, clips, strict=True):
-        x, y, z = (tuple(row) for row in clip.unit_from_world @ world_from_device)
-        fill(record, struct, ClipRecord(x, y, z, NUMBERS[clip.kind], clip.keep == "inside", clip.capped, len(clips)))
+        unit = np.eye(3, 4) if isinstance(clip, Solid) else clip.unit_from_world @ world_from_device
+        x, y, z = (tuple(row) for row in unit)
+        keeps, cuts = clip.keep == "inside", CUTS.index(clip.cuts)
+        number = solids.index(clip) if clip in solids else 0
+        fill(record, struct, ClipRecord(x, y, z, NUMBERS[clip.kind], keeps, clip.capped, cuts, number, len(clips)))
     return records.tobytes()
 
 
@@ -79,7 +101,7 @@ def clip_statistics(scene: Scene, clips: tuple[Clip, ...], draws_caps: bool, is_
 
     And why nothing is seen, where nothing was looked at.
     """
-    given = sum(len(scene.clips_of(layer)) for layer in scene.visible_layers)
+    given = max((len(scene.clips_of(layer)) for layer in scene.visible_layers), default=0)
     if not given:
         return {}
     told: dict[str, Any] = {"given": given, "cutting": len(clips), "capped": sum(clip.capped for clip in clips) * draws_caps}

@@ -6,6 +6,7 @@ driver draws its passes, and the result comes back as an ``Image``.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -19,36 +20,48 @@ from ..errors import DataError, LimitError, ValueRangeError
 from ..first_picture import resolve
 from ..gpu.device import Device
 from ..gpu.textures import Progress
-from ..scene import Layer, Scene
+from ..scene import Layer, Scene, check_scene
 from ..shader.program import Program
 from ..stage import SLOTS, Context, Stage, make_stage
-from ..stages.blocks import block_leaps
+from ..stages.blocks import block_bounds, block_leaps
 from ..stages.driver import sharpens_surfaces
 from ..stages.transfer import Transfer
 from ..volume import statistics
+from .annotating import annotated
 from .background import background_statistics, plain_background, without_layers
 from .clips import clip_statistics, cutting_clips, nothing_left
 from .covers import check_covers, visible_corners
 from .hits import Hits, check_keeps, check_relights, check_same
-from .image import Image
+from .image import FloatImage, Image
+from .layers import drawn_layers, layer_statistics
 from .march import MarchFrame, draw_march, draws_caps, march_program
 from .nearby import chosen_anchor, near_camera, shifted_lights
-from .resources import DrawnLayer
-from .stats import frame_statistics
+from .outlines import check_outlines
+from .resources import DrawnLayer, unless_full
+from .shown import IntArray
+from .stats import disagreement_statistics, frame_statistics
 
 GREATEST_VALUE = 1e37
+LEAST_TOLERANCE = 1e-5
 SKIPS = ("auto", "none", "blocks", "geometry")
 
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked of a frame beside its scene."""
+    """What is asked of a frame beside its scene.
+
+    ``tolerance`` bounds the error of its pixels, and ``budget_ms`` the time that it takes: see ``tolerance.py``, ``budget.py``.
+    ``converges``: stages that are quick at the cost of an error, which no smaller step mends, give way to those that are not.
+    """
 
     size_px: tuple[int, int]
     driver: Stage
     step: float = 1.0
     skip: str = "auto"
     keep_hits: bool = False
+    tolerance: float | None = None
+    budget_ms: float | None = None
+    converges: bool = False
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -57,6 +70,16 @@ class Request:
             raise ValueRangeError("size", f"is {self.size_px}, width and height must lie in [1, 65536]")
         if not 1e-3 <= self.step <= 1e3:
             raise ValueRangeError("step", f"is {self.step}, must lie in [0.001, 1000] voxels")
+        if self.tolerance is not None and not LEAST_TOLERANCE <= self.tolerance < 1:
+            small = 0 <= self.tolerance < LEAST_TOLERANCE
+            remedy = "32-bit floats hold no less" if small else "e.g. 1/255, a step of 8 bits"
+            raise ValueRangeError("tolerance", f"is {self.tolerance}, must lie in [{LEAST_TOLERANCE:g}, 1)", remedy)
+        if self.budget_ms is not None and not 0 < self.budget_ms < math.inf:
+            raise ValueRangeError("budget_ms", f"is {self.budget_ms}, must be a positive number of milliseconds")
+        chosen = {"tolerance": self.tolerance, "budget_ms": self.budget_ms, "step": None if self.step == 1 else self.step}
+        given = [name for name, number in chosen.items() if number is not None]
+        if len(given) > 1:
+            raise ValueRangeError(given[0], f"is given beside {given[1]}, and each chooses the step", "leave one out")
         if self.skip not in SKIPS:
             raise ValueRangeError("skip", f"is {self.skip!r}, must be one of {', '.join(SKIPS)}")
         if self.skip == "geometry":
@@ -64,7 +87,44 @@ class Request:
 
 
 def draw(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> Image:
-    """Draw a frame on a device. ``check`` may raise between tiles, ``progress`` is told of uploads and tiles."""
+    """Draw a frame on a device. ``check`` may raise between tiles, ``progress`` is told of uploads and tiles.
+
+    Raises
+    ------
+    LimitError
+        When the device ends rays before they are through.
+    """
+    given = resolve(scene, request.size_px)
+    scene, notes = annotated(given, request.size_px)
+    image, samples = draw_pixels(device, scene, request, check, progress)
+    check_ended(device, samples)
+    image.stats.update(notes.told)
+    return replace(image, scene=given, marks=notes.marks)
+
+
+def check_ended(device: Device, samples: FloatImage) -> None:
+    """Refuse what a device has not drawn to the end."""
+    if (samples < 0).any():
+        raise LimitError(
+            f"device {device.info.name!r}",
+            f"ended rays before they were through, after {int(-samples.min())} samples: its driver bounds loops",
+            "draw with a larger step, central instead of Sobel gradients, or fewer lights",
+        )
+
+
+def draw_pixels(
+    device: Device,
+    scene: Scene,
+    request: Request,
+    check: Callable[[], None],
+    progress: Progress,
+    chosen: IntArray | None = None,
+) -> tuple[Image, FloatImage]:
+    """Draw chosen pixels (n, 2), x and y, or all, of a scene without annotations.
+
+    The image, and samples (h, w), negative where the device ended the ray. Where nothing of the layers is left, background and
+    meshes are drawn alone.
+    """
     start = time.perf_counter()
     device.kept.begin_frame()
     reason = nothing_left(scene) if scene.visible_layers else "no visible layer"
@@ -74,10 +134,11 @@ def draw(device: Device, scene: Scene, request: Request, check: Callable[[], Non
         width, height = request.size_px
         nothing = np.zeros((height, width, 4), dtype=np.float32)
         far = np.full((height, width), np.inf, np.float32)
-        return Image(nothing, far, plain_background(scene), {"reason": reason}, scene=scene)
-    image = _finished(prepare(device, scene, request, check, progress), request, start)
+        return Image(nothing, far, plain_background(scene), {"reason": reason}), np.zeros_like(far)
+    frame = replace(prepare(device, scene, request, check, progress), chosen=chosen)
+    image, samples = _finished(frame, request, start)
     image.stats.update({"reason": reason} if reason else {})
-    return image
+    return image, samples
 
 
 def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None], progress: Progress) -> Image:
@@ -91,57 +152,65 @@ def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None
     start = time.perf_counter()
     if not isinstance(image, Image):
         raise DataError("image", f"is a {type(image).__name__}", "pass what airlight.render returned, then the scene")
-    if not isinstance(scene, Scene):
-        raise DataError("scene", f"is a {type(scene).__name__}", "pass an airlight.Scene")
+    check_scene(scene)
     if image.hits is None:
         raise DataError("image", "has kept no surfaces", "render it with keep_hits=True")
     if len(scene.visible_layers) != 1:
         raise DataError("scene", f"has {len(scene.visible_layers)} visible layers, and the image shows one", "render it")
-    scene = resolve(scene, image.size)
+    given = resolve(scene, image.size)
+    scene, notes = annotated(given, image.size)
     check_same(image.hits, scene, image.size)
     device.kept.begin_frame()
     request = Request(image.size, make_stage("driver", "march"), image.stats["step"])
     frame = replace(prepare(device, scene, request, check, progress), found=image.hits)
     check_covers(frame)
     check_relights(frame)
-    return replace(_finished(frame, request, start), hits=replace(image.hits, scene=scene))
+    lit, _ = _finished(frame, request, start)
+    lit.stats.update(notes.told)
+    return replace(lit, hits=replace(image.hits, scene=scene), scene=given, marks=notes.marks)
 
 
-def _finished(frame: MarchFrame, request: Request, start: float) -> Image:
+def _finished(frame: MarchFrame, request: Request, start: float) -> tuple[Image, FloatImage]:
     device = frame.device
     rgba, depth, samples = draw_march(frame)
     device.kept.trim()
     stats = frame_statistics(frame, request.step) | background_statistics(frame.scene) | frame.covers.statistics()
-    is_nothing = samples == 0 and frame.found is None and not frame.covers.meshes
-    stats |= clip_statistics(frame.given, frame.clips, draws_caps(frame), is_nothing)
-    stats |= {"samples": int(samples), "milliseconds": frame.clock.milliseconds}
+    taken = float(np.abs(samples).sum(dtype=np.float64))
+    is_nothing = taken == 0 and frame.found is None and not frame.covers.meshes
+    stats |= clip_statistics(frame.given, frame.clips, draws_caps(frame), is_nothing) | layer_statistics(frame)
+    stats |= {"samples": int(taken), "milliseconds": frame.clock.milliseconds}
+    if frame.found is None and frame.chosen is None:
+        stats |= disagreement_statistics(frame, rgba)
     frame.clock.milliseconds["total"] = 1e3 * (time.perf_counter() - start)
     hits = Hits(frame.kept_hits[0], frame.given) if frame.keeps_hits else None
-    return Image(rgba, depth, plain_background(frame.scene), stats, hits, frame.given)
+    return Image(rgba, depth, plain_background(frame.scene), stats, hits), samples
 
 
 def explain(device: Device, scene: Scene, request: Request) -> Program:
     """Link the program that would draw a frame, without drawing it."""
+    scene, _ = annotated(resolve(scene, request.size_px), request.size_px)
     return march_program(prepare(device, scene, request, lambda: None, lambda *_: None))
 
 
 def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> MarchFrame:
     """Resolve a scene and gather what its passes share."""
     given = scene = resolve(scene, request.size_px)
-    visible = scene.visible_layers
-    if len(visible) != 1:
-        raise LimitError(
-            "scene.layers", f"has {len(visible)} visible layers; this version draws one at a time", "hide the others"
-        )
+    visible = drawn_layers(scene)
     step_world = request.step * min(min(layer.volume.spacing) for layer in visible)
-    skips, keeps, sharpens = request.skip != "none", request.keep_hits, sharpens_surfaces(request.driver)
-    clips = cutting_clips(scene, visible[0])
+    skips, keeps = request.skip != "none", request.keep_hits
+    sharpens = sharpens_surfaces(request.driver) and len(visible) == 1
+    clips = cutting_clips(scene, visible)
     layers = tuple(
-        drawn_layer(layer, step_world, request.size_px, skips, scene.camera, keeps, sharpens, clips) for layer in visible
+        drawn_layer(
+            layer, step_world, request.size_px, skips, scene.camera, keeps, sharpens, clips, progress, request.converges
+        )
+        for layer in visible
     )
     stages = visible[0].look.stages()
+    if request.skip == "auto" and len(layers) == 1 and getattr(stages["integrate"], "skips_empty", False):
+        layers = (unless_full(device, layers[0]),)
     anchor_world = chosen_anchor(layers[0])
-    others = visible_corners(scene)
+    others = [*visible_corners(scene), *(layer.context.volume.corners_world(layer.field.cells) for layer in layers[1:])]
     camera, t_offset_world = near_camera(scene.camera, anchor_world, layers[0], step_world, others)  # type: ignore[arg-type]
     scene = replace(scene, lights=shifted_lights(scene.lights, anchor_world))
     scene_stages: dict[str, Stage] = {"driver": request.driver, "camera": camera}
@@ -165,6 +234,7 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
     if request.keep_hits:
         check_keeps(frame)
     check_covers(frame)
+    check_outlines(frame)
     return frame
 
 
@@ -177,12 +247,14 @@ def drawn_layer(
     keeps_hits: bool = False,
     sharpens: bool = False,
     clips: tuple[Clip, ...] = (),
+    progress: Progress | None = None,
+    converges: bool = False,
 ) -> DrawnLayer:
     """Give a layer its stages and their resources; a volume with empty samples gets the field that keeps them apart.
 
     Where surfaces alone are drawn, and space may be skipped, the field knows how far to leap over blocks without one. Surfaces
     that are kept have gradients although nothing may be lit. ``sharpens`` tells that the driver looks for the places of
-    surfaces. ``clips`` are those that cut the layer.
+    surfaces. ``clips`` are those that cut the layer. ``converges`` is told of in ``Request``.
     """
     assert layer.transfer is not None
     for channel in layer.channels:
@@ -194,14 +266,17 @@ def drawn_layer(
                 "scale it, e.g. volume / 1e30, and the transfer function with it",
             )
     context = Context(
-        layer.volume, layer.function, layer.channels, layer.time, step_world, size_px, layer.labels, camera, clips
+        layer.volume, layer.function, layer.channels, layer.time, step_world, size_px, layer.labels, camera, clips, progress
     )
     stages = {slot: stage for slot, stage in layer.stages(keeps_hits).items() if SLOTS[slot].per_layer}
     if isinstance(stages["transfer"], Transfer):
         transfer = stages["transfer"].for_context(context)
+        transfer = transfer.converging() if converges else transfer
         stages["transfer"] = transfer.sharpened() if sharpens else transfer
     drawn = DrawnLayer(stages, context, {slot: stage.resources(context) for slot, stage in stages.items()})
-    if skips and (leaps := block_leaps(drawn.field, layer.look.integrate, stages["transfer"], context)):
-        resources = {**drawn.resources, "field": {**drawn.resources["field"], "leaps": leaps}}
-        drawn = replace(drawn, resources=resources)
-    return drawn
+    if not skips:
+        return drawn
+    integrate = layer.look.integrate
+    told = {"leaps": block_leaps(stages, integrate, context), "bounds": block_bounds(stages, integrate, context)}
+    asked = {name: resource for name, resource in told.items() if resource is not None}
+    return replace(drawn, resources={**drawn.resources, "field": {**drawn.resources["field"], **asked}})

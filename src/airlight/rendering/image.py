@@ -6,16 +6,20 @@ import io
 import os
 import tempfile
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from ..annotations.drawing import over, overlay
 from ..errors import DataError, FileError, MissingExtraError
 from ..transfer.colour import linear_to_srgb
+from .disagreement import disagreement_of
 
 if TYPE_CHECKING:
+    from ..annotations.marks import Mark
     from ..picking import Picked
     from ..profiles import RayProfile
     from ..scene import Scene
@@ -44,6 +48,10 @@ class Image:
     scene
         What was drawn, with its transfer functions and camera: what ``pick`` asks. It holds the volumes;
         ``dataclasses.replace(image, scene=None)`` lets them go.
+    marks
+        What the scene's annotations write on the picture, in pixels: ``rgb`` and ``picture`` show it, ``rgba`` does not.
+    estimate
+        float32 (height, width), where a ``tolerance`` was asked for: bound of the error of each pixel, of whichever channel.
     """
 
     rgba: FloatImage
@@ -52,6 +60,8 @@ class Image:
     stats: dict[str, Any] = field(default_factory=dict)
     hits: Hits | None = None
     scene: Scene | None = None
+    marks: tuple[Mark, ...] = ()
+    estimate: FloatImage | None = None
 
     @property
     def size(self) -> tuple[int, int]:
@@ -73,7 +83,23 @@ class Image:
             raise DataError("image.normal", "was not kept", "render with keep_hits=True")
         return self.hits.normal
 
-    def pick(self, x_px: int, y_px: int, *, layer: int = 0) -> Picked | None:
+    @property
+    def disagreement(self) -> FloatImage:
+        """float32 (height, width): how far neighbouring offsets disagree, a sign that the step is too large.
+
+        Standard deviation of the linear colour or opacity that they cause: see ``rendering/disagreement.py``.
+
+        Raises
+        ------
+        DataError
+            When the samples of all pixels lie at the same distances, or those of a pixel at none of sixteen.
+        """
+        if "disagreement" not in self.stats:
+            what = "is that of interleaved offsets, and these were not drawn"
+            raise DataError("image.disagreement", what, 'render with driver=al.driver.March(offsets="interleaved")')
+        return disagreement_of(self.rgba)
+
+    def pick(self, x_px: int, y_px: int, *, layer: int | None = None) -> Picked | None:
         """Return what a pixel shows: the point, its value, gradient and label; None where there is no depth.
 
         It is the surface of ``first_hit``, the extreme of ``mip`` and ``minip``, and else where opacity passes one half.
@@ -84,14 +110,14 @@ class Image:
         x_px, y_px
             Column and row, from 0, counted from the upper left corner.
         layer
-            Number of the visible layer that is asked.
+            Number of the visible layer that is asked; None is the one that shows most there.
 
         Raises
         ------
         ValueRangeError
             For pixels outside of the image or between its pixels, and layers that are not there.
         DataError
-            When the image does not know its scene.
+            When the image does not know its scene, or that shows no volume.
         StageError
             When only the device knows the camera's rays.
         """
@@ -116,16 +142,25 @@ class Image:
 
     @property
     def rgb(self) -> FloatImage:
-        """float32 (height, width, 3), linear light over the background; over black where it is transparent."""
+        """float32 (height, width, 3), linear light over the background, or over black where it is transparent.
+
+        Annotations lie over it.
+        """
         behind = np.asarray(self.background or (0.0, 0.0, 0.0), dtype=np.float32)
-        return np.asarray(self.rgba[..., :3] + (1 - self.rgba[..., 3:]) * behind)
+        rgb = np.asarray(self.rgba[..., :3] + (1 - self.rgba[..., 3:]) * behind)
+        return rgb if self._overlay is None else over(self._overlay, rgb)
+
+    @cached_property
+    def _overlay(self) -> FloatImage | None:
+        return overlay(self.marks, self.size) if self.marks else None
 
     def picture(self) -> npt.NDArray[np.uint8]:
         """uint8 sRGB as it is saved and shown: (h, w, 3), or (h, w, 4) with straight alpha where it is transparent."""
         if self.background is not None:
             return _bytes(linear_to_srgb(self.rgb))
-        alpha = self.rgba[..., 3:]
-        straight = np.divide(self.rgba[..., :3], alpha, out=np.zeros_like(self.rgba[..., :3]), where=alpha > 0)
+        rgba = self.rgba if self._overlay is None else over(self._overlay, self.rgba)
+        alpha = rgba[..., 3:]
+        straight = np.divide(rgba[..., :3], alpha, out=np.zeros_like(rgba[..., :3]), where=alpha > 0)
         return np.concatenate([_bytes(linear_to_srgb(straight)), _bytes(np.clip(alpha, 0, 1))], axis=-1)
 
     def png(self) -> bytes:
@@ -137,7 +172,7 @@ class Image:
         return out.getvalue()
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write ``.png`` (sRGB, over the background), ``.exr`` (linear RGBA and depth Z) or ``.npy`` (``rgba``).
+        """Write ``.png`` (sRGB, over the background, annotated), ``.exr`` (linear RGBA and depth Z) or ``.npy`` (``rgba``).
 
         The file appears when it is complete.
 

@@ -14,9 +14,9 @@ from weakref import proxy
 
 import numpy as np
 
-from ..clips import Clip
+from ..clips import Clip, Solid
 from ..environment import Environment
-from ..errors import LimitError, StageError
+from ..errors import StageError
 from ..gpu import compute
 from ..gpu.device import Device
 from ..gpu.textures import Progress
@@ -24,6 +24,7 @@ from ..gpu.tiles import Pace, Tile, run_tiles, tiles
 from ..scene import Scene
 from ..shader.link import parse, stage_source
 from ..shader.program import (
+    CHOSEN_WIDTH,
     LUMINANCE_SUMS,
     FrameUniforms,
     LuminanceUniforms,
@@ -33,21 +34,24 @@ from ..shader.program import (
     build_program,
     stage_key,
 )
-from ..stage import Resource, Stage
+from ..stage import BlockLeaps, Resource, Stage
 from ..stages import tone as tones
 from ..stages.driver import gains_from_curvature
 from ..stages.field import Linear, LinearExact
 from ..stages.lighting import Quantised
 from ..stages.transfer import Transfer
+from ..transfer import TransferFunction
 from ..volume import FloatArray
 from .background import put_behind
 from .clips import pack_clips
 from .covers import Covers
 from .directions import light_directions
 from .hits import HIT_BYTES, Hits, light_again
+from .layers import check_layers, check_textures
+from .outlines import Outlines
 from .plan import Pass, check_plan
 from .resources import DrawnLayer, bound_resources, light_count, pack_uniforms, uniform_values, write_lights
-from .shown import shown_columns
+from .shown import IntArray, shown_columns
 
 BYTES_PER_PIXEL = 16
 TRILINEAR = (Linear, LinearExact)
@@ -79,7 +83,7 @@ class Clock:
 
 @dataclass(frozen=True, eq=False)
 class MarchFrame:
-    """What the passes of one frame share."""
+    """What the passes of one frame share. ``chosen`` are pixels (n, 2), x and y: no others are drawn; None is all."""
 
     device: Device
     scene: Scene
@@ -98,6 +102,7 @@ class MarchFrame:
     keeps_hits: bool = False
     found: Hits | None = None
     clips: tuple[Clip, ...] = ()
+    chosen: IntArray | None = None
     kept_hits: list[np.ndarray[Any, Any]] = field(default_factory=list)
 
     @property
@@ -109,6 +114,11 @@ class MarchFrame:
     def covers(self) -> Covers:
         """Meshes, and what rays meet of them."""
         return Covers(proxy(self))  # no ring, which would keep volumes until garbage is collected
+
+    @cached_property
+    def outlines(self) -> Outlines:
+        """Closed meshes that clip."""
+        return Outlines(proxy(self))
 
     @property
     def shows_environment(self) -> bool:
@@ -135,9 +145,11 @@ def program_key(
         tuple((slot, stage_key(s, layer.resources[slot], s.variant(layer.context))) for slot, s in layer.stages.items())
         for layer in frame.layers
     )
-    groups = max(layer.field.groups(layer.context) for layer in frame.layers)
+    groups = tuple(layer.field.groups(layer.context) for layer in frame.layers)
     lights = light_count(frame.scene.lights)
-    return ProgramKey(root, scene, layers, outputs, extra, switches_of(frame), frame.device.traits, groups, lights)
+    several = groups if len(groups) > 1 else ()
+    switches = switches_of(frame)
+    return ProgramKey(root, scene, layers, outputs, extra, switches, frame.device.traits, max(groups), lights, several)
 
 
 def has_empty(layer: DrawnLayer) -> bool:
@@ -150,7 +162,8 @@ def switches_of(frame: MarchFrame) -> Switches:
     """What the stages and the data say of each other, and a driver can make use of."""
     integrate = frame.scene_stages["integrate"]
     classifies = bool(getattr(integrate, "classifies", True))
-    has_stretches = any(has_empty(layer) for layer in frame.layers)
+    leaps = [layer.resources["field"].get("leaps") for layer in frame.layers]
+    has_stretches = any(has_empty(layer) and not layer.is_full for layer in frame.layers) or any(leaps)
     skips_empty = bool(getattr(integrate, "skips_empty", False)) and frame.skip != "none" and has_stretches
     return Switches(
         has_empty=any(layer.field.masked for layer in frame.layers),
@@ -159,11 +172,16 @@ def switches_of(frame: MarchFrame) -> Switches:
         classifies=classifies,
         curved=is_curved(frame),
         lights_ends=any(getattr(layer.stages["lighting"], "lights_ends", False) for layer in frame.layers),
-        skips_blocks=skips_blocks(frame),
+        skips_blocks=any(leaps),
+        fills=bool(getattr(integrate, "fills", False)),
+        blocks_know_more=any(isinstance(one, BlockLeaps) and not one.known_to_slabs for one in leaps),
         walks_blocks=walks_blocks(frame),
+        walks_cells=walks_blocks(frame) and is_exact(frame),
+        looks_for_extremes=len(frame.layers) == 1 and "bounds" in frame.layers[0].resources["field"],
         has_crossings=classifies and any(offers_crossings(layer) for layer in frame.layers),
         lights_faces=bool(frame.clips) and any(layer.stages["lighting"].name != "unlit" for layer in frame.layers),
         draws_caps=draws_caps(frame),
+        adaptive=is_adaptive(frame),
         cuts_at_covers=frame.covers.cut_slabs,
     )
 
@@ -181,21 +199,32 @@ def draws_caps(frame: MarchFrame) -> bool:
     return attenuates and any(clip.capped for clip in frame.clips)
 
 
+def is_adaptive(frame: MarchFrame) -> bool:
+    """Whether slabs get longer where little gets through: of one layer, of which samples tell what is empty at any step."""
+    asked = bool(getattr(frame.scene_stages["driver"], "adaptive", False)) and len(frame.layers) == 1
+    stage, context = frame.layers[0].stages["transfer"], frame.layers[0].context
+    told = context.labels is None and isinstance(context.transfer, TransferFunction)
+    attenuates = hasattr(frame.scene_stages["integrate"], "opaque_at")
+    return asked and attenuates and told and not getattr(stage, "has_surfaces", False)
+
+
 def is_curved(frame: MarchFrame) -> bool:
     """Whether values are put right for curvature: asked of the driver, and of use to all layers."""
     asked = bool(getattr(frame.scene_stages["driver"], "curved", False))
     return asked and all(gains_from_curvature({**frame.scene_stages, **layer.stages}) for layer in frame.layers)
 
 
-def skips_blocks(frame: MarchFrame) -> bool:
-    """Whether it is known of blocks of voxels that nothing is in them."""
-    return all("leaps" in layer.resources["field"] for layer in frame.layers)
-
-
 def walks_blocks(frame: MarchFrame) -> bool:
-    """Whether surfaces are looked for block by block."""
+    """Whether surfaces are looked for block by block; those of several layers are on the lattice that they share."""
+    if len(frame.layers) > 1:
+        return False
     asked = bool(getattr(frame.scene_stages["driver"], "blocks", False))
     return asked and bool(getattr(frame.scene_stages["integrate"], "surfaces_only", False))
+
+
+def is_exact(frame: MarchFrame) -> bool:
+    """Whether surfaces are the roots of cubics, of which none is left out."""
+    return bool(getattr(frame.scene_stages["driver"], "refine", "none") == "exact")
 
 
 def check_refines(frame: MarchFrame) -> None:
@@ -207,7 +236,7 @@ def check_refines(frame: MarchFrame) -> None:
         For fields that are not trilinear.
     """
     switches = switches_of(frame)
-    exact = getattr(frame.scene_stages["driver"], "refine", "none") == "exact"
+    exact = is_exact(frame)
     for layer in frame.layers:
         if exact and (switches.surfaces_only or switches.has_crossings) and not isinstance(layer.field, TRILINEAR):
             raise StageError('driver.refine "exact"', f"is for trilinear fields, and {layer.field.name} is none", "use secant")
@@ -216,20 +245,24 @@ def check_refines(frame: MarchFrame) -> None:
 def march_program(frame: MarchFrame) -> Program:
     """Program of the march; a tone stage that looks at the whole image first gets a pass of its own."""
     check_refines(frame)
+    check_layers(frame)
     root = frame.scene_stages["driver"].wgsl
     wanted = {"hits": frame.keeps_hits, "covers": frame.covers.meshes, "clips": frame.clips}
+    wanted["changes"] = any(isinstance(clip, Solid) for clip in frame.clips)
+    wanted["chosen"] = frame.chosen is not None
     outputs = ("radiance", "depth", *(name for name, is_wanted in wanted.items() if is_wanted))
-    if frame.tones_late:
-        return frame.program(root, outputs, tone=tones.Linear())
-    return frame.program(root, outputs)
+    instead: dict[str, Stage] = {"tone": tones.Linear()} if frame.tones_late else {}
+    program = frame.program(root, outputs, (), **instead)
+    check_textures(frame, program)
+    return program
 
 
-def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], float]:
-    """Draw a frame; returns rgba (h, w, 4), depth (h, w), and the number of samples."""
+def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Draw a frame; returns rgba (h, w, 4), depth (h, w), and samples (h, w), negative where the device ended the ray."""
     width, height = frame.size_px
     most = frame.device.limits["max-storage-buffer-binding-size"]
     with_hits = frame.keeps_hits or frame.found is not None
-    widest = max(HIT_BYTES if with_hits else BYTES_PER_PIXEL, frame.covers.bytes_per_pixel)
+    widest = max(HIT_BYTES if with_hits else BYTES_PER_PIXEL, frame.covers.bytes_per_pixel, frame.outlines.bytes_per_pixel)
     rows = min(height, max(1, most // (widest * width)), MOST_ROWS)
     bands = [_Band(frame, n, first, min(rows, height - first)) for n, first in enumerate(range(0, height, rows))]
     tone = frame.scene_stages["tone"]
@@ -255,13 +288,7 @@ def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any,
             band.read(rgba, depth)
         if frame.keeps_hits:
             frame.kept_hits.append(np.concatenate([band.read_hits() for band in bands]))
-    if (depth[..., 1] < 0).any():
-        raise LimitError(
-            f"device {frame.device.info.name!r}",
-            f"ended rays before they were through, after {int(-depth[..., 1].min())} samples: its driver bounds loops",
-            "draw with a larger step, central instead of Sobel gradients, or fewer lights",
-        )
-    return rgba, np.where(depth[..., 0] < 3e38, depth[..., 0], np.float32(np.inf)), float(depth[..., 1].sum(dtype=np.float64))
+    return rgba, np.where(depth[..., 0] < 3e38, depth[..., 0], np.float32(np.inf)), depth[..., 1]
 
 
 class _Band:
@@ -286,7 +313,17 @@ class _Band:
             strands=self.frame.device.strands,
             skin_world=SKIN_VOXELS * min(min(layer.context.volume.spacing) for layer in self.frame.layers),
             cover_count=self.frame.covers.layers * self.frame.covers.see_through,
+            change_slots=self.frame.outlines.slots + 1,
         )
+
+    def chosen_rows(self) -> np.ndarray[Any, Any]:
+        """Return the chosen pixels of these rows, uint32 (n, CHOSEN_WIDTH), x below y; the last one fills the rest."""
+        assert self.frame.chosen is not None
+        x, y = self.frame.chosen.T
+        inside = (y >= self.first_row) & (y < self.first_row + self.rows)
+        packed = (x[inside] | y[inside] << 16).astype(np.uint32)
+        rest = -len(packed) % CHOSEN_WIDTH if len(packed) else 0
+        return np.pad(packed, (0, rest), mode="edge" if len(packed) else "constant").reshape(-1, CHOSEN_WIDTH)
 
     def clear(self) -> None:
         """Fill it as pixels are that show nothing."""
@@ -327,24 +364,33 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
         if frame.tones_late:
             values["tone"] = tones.Linear()
         bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress)
-    x, y = device.traits.workgroup
+    x, y = program.key.group_px
     sizes = tuple(layer.context.volume.size for layer in frame.layers)
     pace: Pace = device.kept.get(("pace", program.key, frame.step_world, sizes), Pace)
-    total = frame.size_px[0] * frame.size_px[1]
+    total = frame.size_px[0] * frame.size_px[1] if frame.chosen is None else len(frame.chosen)
     before = 0
-    shown = shown_columns(frame)
+    shown = shown_columns(frame) if frame.chosen is None else None
     extra: dict[str, Any] = {}
     if frame.clips:
         world_from_device = np.eye(4)
         world_from_device[:3, 3] = frame.anchor_world
-        extra["clips"] = compute.write_storage(device, "clips", pack_clips(frame.clips, world_from_device))
+        packed = pack_clips(frame.clips, world_from_device, frame.outlines.solids)
+        extra["clips"] = compute.write_storage(device, "clips", packed)
     for band in bands:
-        if shown is not None:
+        if shown is not None or frame.chosen is not None:
             band.clear()
+        rows = band.chosen_rows() if frame.chosen is not None else None
+        if rows is not None and not rows.size:
+            continue
+        if rows is not None:
+            extra["chosen"] = compute.write_storage(device, "chosen", rows.tobytes())
         covers = {}
+        if frame.outlines.solids:
+            with frame.clock("clips"):
+                covers = {"changes": frame.outlines.draw(band)}
         if frame.covers.meshes:
             with frame.clock("meshes"):
-                covers = {"covers": frame.covers.draw(band)}
+                covers |= {"covers": frame.covers.draw(band, covers)}
         groups = _bind(
             frame,
             program,
@@ -360,17 +406,19 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
         def submit(tile: Tile, band: _Band = band, groups: list[Any] = groups, target: Any = target) -> None:
             part = replace(band.uniforms(), tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
             device.queue.write_buffer(target, 0, pack_uniforms(program, part, values))
-            rows = device.strands * -(-tile.height // device.strands)
-            compute.dispatch(device, pipeline, groups, (-(-tile.width // x), -(-rows // y), 1))
+            rows = device.strands * -(-tile.height // (y * device.strands))
+            compute.dispatch(device, pipeline, groups, (-(-tile.width // x), rows, 1))
 
         def done(pixels: int, before: int = before) -> None:
-            frame.progress("render", before + pixels, total)
+            frame.progress("render", min(before + pixels, total), total)
 
-        parts = tiles(shown.width if shown else frame.size_px[0], band.first_row, band.rows, pace)
+        parts = tiles(shown.width if shown else frame.size_px[0], band.first_row, band.rows, pace, y)
+        if rows is not None:
+            parts = tiles(CHOSEN_WIDTH, 0, len(rows), pace, y)
         if shown is not None:
             parts = shown.trimmed(parts)
         run_tiles(device, parts, submit, pace, frame.check, done)
-        before += band.pixels
+        before += band.pixels if rows is None else min(rows.size, total - before)
         frame.progress("render", before, total)
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import atexit
 import threading
 import weakref
-from collections.abc import Callable, Hashable
-from concurrent.futures import Future
+from collections.abc import Callable, Hashable, Iterator
+from concurrent.futures import CancelledError, Future
 from typing import Any
 
 from ..gpu.device import Device, open_device
@@ -16,9 +16,12 @@ from ..gpu.thread import Job, RenderThread, T
 from ..scene import Scene
 from ..shader.program import Program
 from ..stage import Stage, make_stage
-from ..transfer.given import whole
+from ..transfer.given import check_size, whole
+from .budget import draw_in_time
 from .frame import Request, draw, explain, relight
 from .image import Image
+from .refining import better_and_better
+from .tolerance import draw_within
 from .warming import scenes_near
 
 
@@ -42,6 +45,32 @@ class _Held:
         """Give up what belonged to volumes, labels and tables that are gone."""
         if self.device is not None:
             self.device.kept.forget_released()
+
+
+class _Refinement:
+    """Images of one scene that get better, as far as they are; advanced on the render thread alone."""
+
+    def __init__(self, what: tuple[Scene, Request], progress: Progress) -> None:
+        self.what = what
+        self.last: Image | None = None
+        self.broken = False
+        self._progress = progress
+        self._images: Iterator[Image] | None = None
+        self._check: Callable[[], None] = lambda: None
+
+    def next(self, device: Device, check: Callable[[], None]) -> Image | None:
+        """Return the next image, None behind the last. Work that is given up begins anew."""
+        self._check = check
+        if self._images is None:
+            self._images = better_and_better(device, *self.what, lambda: self._check(), self._progress)
+        try:
+            self.last = next(self._images)
+        except StopIteration:
+            return None
+        except BaseException:
+            self.broken, self._images, self.last = True, None, None
+            raise
+        return self.last
 
 
 class Renderer:
@@ -73,6 +102,7 @@ class Renderer:
         self._wanted = None if device is None else str(device)
         self._keep_bytes = None if keep_bytes is None else whole(keep_bytes, "keep_bytes", 0)
         self._held = _Held()
+        self._refined: dict[Hashable, _Refinement] = {}
         self._thread = RenderThread(idle=self._held.tidy)
         # Whoever forgets to close a renderer does not keep its thread and device for ever.
         weakref.finalize(self, self._thread.close, self._held.drop, wait=False).atexit = False
@@ -105,12 +135,76 @@ class Renderer:
         driver: str | Stage = "march",
         step: float = 1.0,
         skip: str = "auto",
+        tolerance: float | None = None,
+        budget_ms: float | None = None,
         keep_hits: bool = False,
         progress: Progress | None = None,
     ) -> Image:
         """Draw a scene and wait for it; see ``airlight.render``."""
-        options: dict[str, Any] = {"driver": driver, "step": step, "skip": skip, "keep_hits": keep_hits, "progress": progress}
-        return self.submit(scene, size, **options).result()
+        options: dict[str, Any] = {"driver": driver, "step": step, "skip": skip, "tolerance": tolerance, "budget_ms": budget_ms}
+        return self.submit(scene, size, **options, keep_hits=keep_hits, progress=progress).result()
+
+    def refine(
+        self,
+        scene: Scene,
+        size: tuple[int, int] = (512, 512),
+        *,
+        driver: str | Stage = "march",
+        skip: str = "auto",
+        tolerance: float = 1 / 255,
+        keep_hits: bool = False,
+        progress: Progress | None = None,
+        view: Hashable = None,
+    ) -> Iterator[Image]:
+        """Draw a scene coarsely at once, then better and better, until all pixels are within a tolerance.
+
+        Parameters
+        ----------
+        scene, size, driver, skip, tolerance, keep_hits, progress
+            As for ``airlight.render``.
+        view
+            What the images are for. A new frame of the same view, or ``close_view`` from another thread, ends the iteration
+            between two tiles, which take about 25 ms each; the same scene goes on from its last image, another begins anew.
+
+        Yields
+        ------
+        Image
+            ``stats["refined"]`` tells scale and step, ``stats["tolerance"]`` how far errors are known.
+
+        Examples
+        --------
+        >>> with Renderer() as renderer:                              # doctest: +SKIP
+        ...     for image in renderer.refine(scene, (512, 512)):
+        ...         show(image)
+        """
+        check_size(size)
+        size_px = int(size[0]), int(size[1])
+        request = Request(size_px, make_stage("driver", driver), 1.0, skip, keep_hits, tolerance)
+        own = object() if view is None else view
+        work = self._refined.get(own)
+        if work is None or work.what != (scene, request):
+            work = self._refined[own] = _Refinement((scene, request), progress or _silent)
+        return self._images(work, own, view is not None)
+
+    def _images(self, work: _Refinement, view: Hashable, keeps: bool) -> Iterator[Image]:
+        """Images of work that may have begun; each is a job of its own, so that other views are drawn in between."""
+        if work.last is not None:
+            yield work.last
+
+        def next_image(job: Job[Image | None]) -> Image | None:
+            return self._guarded(job, lambda device: work.next(device, job.check))
+
+        try:
+            while self._refined.get(view) is work:
+                image = self._thread.submit(next_image, view).result()
+                if image is None:
+                    return
+                yield image
+        except CancelledError:
+            return
+        finally:
+            if self._refined.get(view) is work and (work.broken or not keeps):
+                del self._refined[view]
 
     def relight(self, image: Image, scene: Scene, *, progress: Progress | None = None) -> Image:
         """Light the surfaces of an image again, without a march; see ``airlight.relight``."""
@@ -128,14 +222,19 @@ class Renderer:
         driver: str | Stage = "march",
         step: float = 1.0,
         skip: str = "auto",
+        tolerance: float | None = None,
+        budget_ms: float | None = None,
         keep_hits: bool = False,
         progress: Progress | None = None,
         view: Hashable = None,
     ) -> Future[Image]:
         """Post a frame; of one ``view`` only the newest frame is drawn, the futures of older ones are cancelled."""
-        request = Request((int(size[0]), int(size[1])), make_stage("driver", driver), float(step), skip, keep_hits)
+        size_px, chosen = (int(size[0]), int(size[1])), make_stage("driver", driver)
+        request = Request(size_px, chosen, float(step), skip, keep_hits, tolerance, budget_ms)
+        way = draw if tolerance is None else draw_within
+        way = draw_in_time if budget_ms is not None else way
         return self._thread.submit(
-            lambda job: self._guarded(job, lambda device: draw(device, scene, request, job.check, progress or _silent)), view
+            lambda job: self._guarded(job, lambda device: way(device, scene, request, job.check, progress or _silent)), view
         )
 
     @property
@@ -150,6 +249,7 @@ class Renderer:
 
     def close_view(self, view: Hashable) -> None:
         """Give up the frames of a view; others go on."""
+        self._refined.pop(view, None)
         self._thread.close_view(view)
 
     def explain(self, scene: Scene, size: tuple[int, int] = (512, 512), driver: str | Stage = "march") -> Program:

@@ -6,7 +6,7 @@ What is kept lives as long as the volume or table it was made of, unless others 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,10 +15,10 @@ from ..errors import LimitError, StageError
 from ..gpu import blocks, compute, gradients, slab_tables, textures
 from ..gpu.device import Device
 from ..gpu.labels import upload_labels
+from ..gpu.ranges import block_count
 from ..scene import Light
 from ..shader.layout import class_struct, fill
 from ..shader.program import (
-    BlockUniforms,
     ClassifyUniforms,
     FrameUniforms,
     LayerUniforms,
@@ -32,7 +32,7 @@ from ..shader.program import (
     stage_key,
 )
 from ..stage import (
-    BLOCK_VOXELS,
+    BlockBounds,
     BlockLeaps,
     ClassifiedGrid,
     Context,
@@ -51,16 +51,21 @@ from ..stages.field import Field, needed_groups
 from ..stages.field_channels import by_group, lines_of
 from ..volume import FloatArray, domain_index
 
+FULL = 0.95  # of the blocks hold something
 LIGHT_KINDS = {"head": 0, "directional": 1, "point": 2}
 
 
 @dataclass(frozen=True, eq=False)
 class DrawnLayer:
-    """A layer ready to be drawn: its stages, what they may look at, and its uniforms once the grid is on the device."""
+    """A layer ready to be drawn: its stages, what they may look at, and its uniforms once the grid is on the device.
+
+    ``is_full`` where something is to be seen almost everywhere.
+    """
 
     stages: Mapping[str, Stage]
     context: Context
     resources: Mapping[str, Mapping[str, Resource]]
+    is_full: bool = False
 
     @property
     def field(self) -> Field:
@@ -205,7 +210,9 @@ def _view(device: Device, resource: Resource, layer: DrawnLayer, anchor_world: F
         case ClassifiedGrid():
             return _classified_texture(device, resource, layer, anchor_world, progress).create_view()
         case BlockLeaps():
-            return layer_leaps(device, layer, anchor_world, progress).texture.create_view()
+            return layer_leaps(device, layer).texture.create_view()
+        case BlockBounds():
+            return blocks.block_bounds(device, resource).create_view()
         case DirectionGrid():
             from .directions import number_texture
 
@@ -257,29 +264,19 @@ def _classified_texture(
     )
 
 
-def layer_leaps(device: Device, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress) -> blocks.Leaps:
+def layer_leaps(device: Device, layer: DrawnLayer) -> blocks.Leaps:
     """Leaps over a layer's blocks; ranges are made once for a volume, whatever values are empty."""
-    resource, volume = layer.resources["field"]["leaps"], layer.context.volume
-    assert isinstance(resource, BlockLeaps)
-    ranges = resource.ranges
-    grid = ranges.grid
-    key = ("ranges", grid.channels, grid.time, grid.masked, ranges.reach, ranges.overshoot)
+    asked, size = layer.resources["field"]["leaps"], layer.context.volume.size
+    assert isinstance(asked, BlockLeaps)
+    return blocks.block_leaps(device, asked, tuple(block_count(n) for n in reversed(size)))
 
-    def make() -> blocks.Ranges:
-        alone = DrawnLayer({"field": ranges.reader}, layer.context, {"field": {"grid": grid}})
-        size = tuple(max(1, -(-(n - 1) // BLOCK_VOXELS)) for n in volume.size)
-        values: dict[str, Any] = {"block": BlockUniforms(size, ranges.reach, ranges.overshoot)}  # type: ignore[arg-type]
-        program = build_program(_alone_key(device, alone, "block_ranges", "ranges_out", tuple(values)))
-        values |= uniform_values(device, {}, (alone,), anchor_world, progress)
-        bound = bound_resources(device, program, (alone,), {}, anchor_world, progress)
-        packed = pack_uniforms(program, FrameUniforms(), values)
-        return blocks.compute_ranges(device, program, packed, bound, size)  # type: ignore[arg-type]
 
-    def made() -> blocks.Leaps:
-        return blocks.make_leaps(device, device.kept.get(key, make, grid.volume), resource.empty)
-
-    found: blocks.Leaps = device.kept.get(("leaps", *key, resource.empty), made, grid.volume)
-    return found
+def unless_full(device: Device, layer: DrawnLayer) -> DrawnLayer:
+    """Return the layer without leaps where hardly a block is empty: to look for what is would cost more than it saves."""
+    if "leaps" not in layer.resources["field"] or layer_leaps(device, layer).share < FULL:
+        return layer
+    known = {name: resource for name, resource in layer.resources["field"].items() if name != "leaps"}
+    return replace(layer, resources={**layer.resources, "field": known}, is_full=True)
 
 
 def _alone_key(device: Device, alone: DrawnLayer, root: str, output: str, extra: tuple[str, ...]) -> ProgramKey:

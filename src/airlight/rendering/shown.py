@@ -56,6 +56,7 @@ def shown_columns(frame: MarchFrame) -> Columns | None:
     """Return the pixels in which something may be seen of a frame's layers; None where it is not known."""
     camera = frame.scene.camera
     told = isinstance(camera, (Perspective, Orthographic)) and keeps_black(frame.scene_stages["tone"])
+    told = told and not getattr(frame.scene_stages["integrate"], "fills", False)
     if not told or frame.keeps_hits or frame.covers.meshes or any("leaps" not in x.resources["field"] for x in frame.layers):
         return None
     corners_px = [on_image(camera, corners_world(frame, layer), frame.size_px) for layer in frame.layers]  # type: ignore[arg-type]
@@ -65,7 +66,7 @@ def shown_columns(frame: MarchFrame) -> Columns | None:
 
 def corners_world(frame: MarchFrame, layer: DrawnLayer) -> FloatArray:
     """Corners (n, 8, 3) of the groups of blocks in which there is something."""
-    leaps = layer_leaps(frame.device, layer, frame.anchor_world, frame.progress)
+    leaps = layer_leaps(frame.device, layer)
     volume = layer.context.volume
     offsets = np.array(list(product((0.0, leaps.group_voxels), repeat=3)))
     corners = leaps.groups[:, None, :] * float(leaps.group_voxels) + offsets

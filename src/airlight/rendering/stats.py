@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cache, partial
 from typing import Any
+
+import numpy as np
+import numpy.typing as npt
 
 from ..stage import (
     ClassifiedGrid,
@@ -17,6 +21,7 @@ from ..stage import (
     SlabTable,
     Table,
 )
+from .disagreement import disagreement_of
 from .march import MarchFrame, switches_of
 from .resources import grid_texture, label_texture
 
@@ -94,14 +99,31 @@ def frame_statistics(frame: MarchFrame, step: float) -> dict[str, Any]:
         "driver": frame.scene_stages["driver"].name,
         "size": list(frame.size_px),
         "step": step,
+        "offsets": getattr(frame.scene_stages["driver"], "offsets", "none"),
         "step_world": frame.step_world,
         "curved": switches_of(frame).curved,
-        "skip": {"asked": frame.skip, "done": "blocks" if switches_of(frame).skips_blocks else "none"},
+        "adaptive": switches_of(frame).adaptive,
+        "skip": {"asked": frame.skip, "done": "blocks" if skips_space(frame) else "none"},
         "layers": layers,
         "tables": {
             f"{slot}.{name}": _shape(r) for slot, resources in frame.scene_resources.items() for name, r in resources.items()
         },
     }
+
+
+def disagreement_statistics(frame: MarchFrame, rgba: npt.NDArray[np.float32]) -> dict[str, Any]:
+    """How far neighbouring offsets disagree where they are interleaved; nothing elsewhere."""
+    if getattr(frame.scene_stages["driver"], "offsets", "none") != "interleaved":
+        return {}
+    found = cache(partial(disagreement_of, rgba))
+    numbers = {"maximum": lambda: float(found().max()), "rms": lambda: float(np.sqrt(np.mean(found() ** 2)))}
+    return {"disagreement": Estimates(numbers)}
+
+
+def skips_space(frame: MarchFrame) -> bool:
+    """Whether blocks are passed over."""
+    switches = switches_of(frame)
+    return switches.skips_blocks or switches.looks_for_extremes
 
 
 def _shape(resource: Resource) -> list[int]:

@@ -7,6 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..annotations import KINDS as ANNOTATIONS
+from ..annotations import Annotation
+from ..annotations import from_dict as annotation_from_dict
 from ..clips import Clip
 from ..environment import Environment, Opener
 from ..errors import FileError
@@ -79,14 +82,16 @@ def load_scene(
         raise root.error("format", f"is {version}, this version reads {FORMAT}", "use a newer airlight")
     background = _background(root, picture)
     lights = [_light(table) for table in root.tables("lights")] if "lights" in root.data else None
-    clips = _clips(root)
-    layers = [_layer(table, volume, picture) for table in root.tables("layers")]
+    clips = _clips(root, folder, untrusted)
+    layers = [_layer(table, volume, picture, (folder, untrusted)) for table in root.tables("layers")]
+    annotations = [_annotation(table) for table in root.tables("annotations")]
     meshes = [_mesh(table, folder, untrusted) for table in root.tables("meshes")]
     camera = _camera(root)
     options = checked_options(root.table("render"))
     root.close()
     with root.located():
-        return Scene(layers=layers, camera=camera, lights=lights, background=background, clips=clips, meshes=meshes), options
+        values = {"lights": lights, "background": background, "clips": clips, "meshes": meshes, "annotations": annotations}
+        return Scene(layers=layers, camera=camera, **values), options  # type: ignore[arg-type]
 
 
 def load_transfer(path: str | Path) -> AnyFunction:
@@ -95,7 +100,7 @@ def load_transfer(path: str | Path) -> AnyFunction:
     return _transfer(parsed(path))
 
 
-def _layer(table: Table, volume: Callable[[Table], Volume], picture: Opener) -> Layer:
+def _layer(table: Table, volume: Callable[[Table], Volume], picture: Opener, beside: tuple[Path, bool]) -> Layer:
     image, labels = _volume(table, "volume", volume), _labels(table, volume)
     look = table.table("look")
     chosen = {slot: stage_in(look, slot, slot, picture) for slot in Look.__dataclass_fields__ if slot in look.data}
@@ -104,7 +109,7 @@ def _layer(table: Table, volume: Callable[[Table], Volume], picture: Opener) -> 
     function = _transfer(table.table("transfer")) if "transfer" in table.data else None
     visible, density = table.take("visible", bool, True), table.take("density", float, 1.0)
     channel, time = table.take("channel", int | str, 0), table.take("time", int, 0)
-    clips = _clips(table)
+    clips = _clips(table, *beside)
     table.taken |= {"volume", "labels", "transfer"}
     table.close()
     with table.located():
@@ -170,24 +175,36 @@ def _camera(root: Table) -> Camera | str:
     return camera
 
 
-def _clips(table: Table) -> tuple[Clip, ...]:
-    return tuple(_clip(inner) for inner in table.tables("clips"))
+def _clips(table: Table, folder: Path, untrusted: bool) -> tuple[Clip, ...]:
+    return tuple(_clip(inner, _beside(folder, untrusted)) for inner in table.tables("clips"))
 
 
-def _clip(table: Table) -> Clip:
+def _clip(table: Table, place: Callable[[str], str]) -> Clip:
     with table.located_inside("clip"):
-        return Clip.from_dict(table.data)
+        return Clip.from_dict(table.data, place)
 
 
 def _mesh(table: Table, folder: Path, untrusted: bool) -> Mesh | Lines | Points:
+    with table.located():
+        return from_dict(table.data, _beside(folder, untrusted))
+
+
+def _beside(folder: Path, untrusted: bool) -> Callable[[str], str]:
+    """Find files of meshes, named relative to a scene; one of unknown origin names none beyond its own folder."""
+
     def place(name: str) -> str:
         file = os.path.abspath(folder / name)
         if untrusted and not Path(file).resolve().is_relative_to(folder.resolve()):
             raise FileError(file, "lies outside of the folder of an untrusted scene", "move it beside the scene")
         return file
 
-    with table.located():
-        return from_dict(table.data, place)
+    return place
+
+
+def _annotation(table: Table) -> Annotation:
+    kind = table.data.get("kind")
+    with table.located_inside(kind if isinstance(kind, str) and kind in ANNOTATIONS else "annotation"):
+        return annotation_from_dict(table.data)
 
 
 def _light(table: Table) -> Light:

@@ -55,11 +55,13 @@ def save_scene(
         "background": "none" if scene.background is None else _plain(scene.background, "background"),
         "camera": scene.camera if isinstance(scene.camera, str) else _stage_data(scene.camera),
         "lights": [light.to_dict() for light in scene.lights],
-        **_clip_data(scene.clips),
+        **_clip_data(scene.clips, namer),
         "layers": [_layer_data(layer, f"layers[{n}]", namer) for n, layer in enumerate(scene.layers)],
     }
     if scene.meshes:
         data["meshes"] = [_mesh_data(shape, f"meshes[{n}]", namer) for n, shape in enumerate(scene.meshes)]
+    if scene.annotations:
+        data["annotations"] = [annotation.to_dict() for annotation in scene.annotations]
     if options:
         data["render"] = options
     write_table(path, _relative_pictures(data, namer))
@@ -109,8 +111,7 @@ class _VolumeNamer:
 
 
 def _mesh_data(shape: Mesh | Lines | Points, where: str, namer: _VolumeNamer) -> dict[str, Any]:
-    data = to_dict(shape, where)
-    return data | {"file": namer.relative(data["file"])} if "file" in data else data
+    return _named(to_dict(shape, where), namer)
 
 
 def _layer_data(layer: Layer, where: str, namer: _VolumeNamer) -> dict[str, Any]:
@@ -119,15 +120,20 @@ def _layer_data(layer: Layer, where: str, namer: _VolumeNamer) -> dict[str, Any]
         named, styles = namer(layer.labels.volume, f"{where}.labels"), layer.labels.to_dict()
         data["labels"] = {"volume": named} | styles if styles else named
     data |= {"visible": layer.visible, "density": float(layer.density), "channel": layer.channel, "time": layer.time}
-    data |= _clip_data(layer.clips)
+    data |= _clip_data(layer.clips, namer)
     if layer.transfer is not None:
         data["transfer"] = layer.transfer.to_dict()
     data["look"] = {slot: _stage_data(getattr(layer.look, slot)) for slot in Look.__dataclass_fields__}
     return data
 
 
-def _clip_data(clips: tuple[Clip, ...]) -> dict[str, Any]:
-    return {"clips": [clip.to_dict() for clip in clips]} if clips else {}
+def _clip_data(clips: tuple[Clip, ...], namer: _VolumeNamer) -> dict[str, Any]:
+    return {"clips": [_named(clip.to_dict(), namer) for clip in clips]} if clips else {}
+
+
+def _named(data: dict[str, Any], namer: _VolumeNamer) -> dict[str, Any]:
+    """Plain data with a file named relative to the scene's folder."""
+    return data | {"file": namer.relative(data["file"])} if "file" in data else data
 
 
 def _stage_data(stage: Stage) -> dict[str, Any] | str:

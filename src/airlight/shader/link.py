@@ -6,9 +6,14 @@ Import lines have WESL's syntax:
     import package::ray::{Ray, point_at as at};  several, renamed
     import slot::transfer::classify;             whatever fills the slot
     import generated::blinn_phong::params;       what the host declares: parameters, resources, constants
+    import next::several::layer::span_of;        of the same file for the next layer; NAME_end.wgsl behind the last one
 
 Nothing else is added to WGSL. Files that belong to a layer are instantiated once per layer: the names they declare get the
 suffix ``_0``, ``_1`` ...; other names stay as they are written, and a name that two files declare is an error.
+
+Where there are several layers, what is asked of a layer from outside of layers is asked of all: instead of a file that belongs
+to a layer the one of the same path below ``several/`` is taken, if there is one, and ``several/SLOT.wgsl`` for what fills a
+slot.
 """
 
 from __future__ import annotations
@@ -102,6 +107,12 @@ class Linked:
 
 
 @lru_cache(maxsize=256)
+def has_source(path: str) -> bool:
+    """Whether the package has a file below ``airlight/wgsl``."""
+    return (files("airlight") / "wgsl" / path).is_file()
+
+
+@lru_cache(maxsize=256)
 def package_source(path: str) -> Source:
     """Source of a file below ``airlight/wgsl``."""
     file = files("airlight") / "wgsl" / path
@@ -183,11 +194,11 @@ def _take_imports(source: Source) -> tuple[str, tuple[Import, ...]]:
         path = tuple(part.strip() for part in head.split("::"))
         for item in items:
             parsed = _ITEM.match(item)
-            if not parsed or not head or path[0] not in ("package", "slot", "generated"):
+            if not parsed or not head or path[0] not in ("package", "slot", "generated", "next"):
                 raise ShaderError(
                     where,
                     f"has an import that cannot be read: {line.strip()!r}",
-                    "write import package::file::name; or slot::, generated::",
+                    "write import package::file::name; or slot::, generated::, next::",
                 )
             imports.append(Import(path, parsed["name"], parsed["alias"] or parsed["name"], number))
         kept.append("")
@@ -209,19 +220,24 @@ class _Linker:
     generated: Generated
     order: list[tuple[Module, int | None, str | None]] = field(default_factory=list)
     done: set[Place] = field(default_factory=set)
-    stack: list[str] = field(default_factory=list)
+    stack: list[Place] = field(default_factory=list)
     names: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def count(self) -> int:
+        """Number of layers."""
+        return max((len(fillers) for fillers in self.slots.values()), default=0)
 
     def visit(self, source: Source, instance: int | None, slot: str | None, wanted_at: str) -> Module:
         module = parse(source)
-        if source.name in self.stack:
-            ring = " -> ".join([*self.stack[self.stack.index(source.name) :], source.name])
-            raise ShaderError(wanted_at, f"closes a ring of imports: {ring}")
-        instance = instance if self.is_layered(module) or _per_layer(slot) else None
+        instance = instance if self.is_layered(module) or self.per_layer(slot) else None
         place = (source.name, instance)
+        if place in self.stack:
+            ring = " -> ".join(name for name, _ in [*self.stack[self.stack.index(place) :], place])
+            raise ShaderError(wanted_at, f"closes a ring of imports: {ring}")
         if place in self.done:
             return module
-        self.stack.append(source.name)
+        self.stack.append(place)
         for item in module.imports:
             if item.path[0] != "generated":
                 target, slot_of_target, at = self.target(item, module, instance)
@@ -234,25 +250,45 @@ class _Linker:
     def target(self, item: Import, module: Module, instance: int | None) -> tuple[Source, str | None, int | None]:
         """Source that an import names, the slot that it fills, and the layer that it is wanted for."""
         where = f"{module.source.name}:{item.line}"
+        path = "/".join(item.path[1:])
         if item.path[0] == "package":
-            return package_source("/".join(item.path[1:]) + ".wgsl"), None, instance
+            return self.of_all(package_source(f"{path}.wgsl"), instance), None, instance
+        if item.path[0] == "next":
+            following = 0 if instance is None else instance + 1
+            is_last = following >= self.count
+            return package_source(f"{path}{'_end' * is_last}.wgsl"), None, None if is_last else following
         slot = item.path[1] if len(item.path) == 2 else ""
         if slot not in self.slots:
             raise ShaderError(where, f"imports from slot {'::'.join(item.path[1:])!r}, which nothing fills")
-        fillers = self.slots[slot]
-        per_layer = _per_layer(slot)
-        if per_layer and instance is None:
-            if len(fillers) != 1:
-                raise ShaderError(where, f"imports {item.name!r} of a layer, but there are {len(fillers)} layers")
-            instance = 0
-        source = fillers[instance or 0 if per_layer else 0][1]
+        fillers, per_layer = self.slots[slot], self.per_layer(slot)
+        of_all = per_layer and instance is None and self.count > 1
+        if of_all and not has_source(f"several/{slot}.wgsl"):
+            raise ShaderError(where, f"imports {item.name!r} of a layer, but there are {len(fillers)} layers")
+        if of_all:
+            source = package_source(f"several/{slot}.wgsl")
+        elif per_layer:
+            instance = instance or 0
+            source = fillers[instance][1]
+        else:
+            source = self.of_all(fillers[0][1], instance)
+        at = instance if per_layer or self.count > 1 else None
         declared = parse(source).declared
         if item.name not in declared:
             if slot in SLOTS and item.name in SLOTS[slot].optional:
                 file = SLOTS[slot].defaults.get(item.name, item.name)
-                return package_source(f"defaults/{file}.wgsl"), None, instance if per_layer else None
+                return package_source(f"defaults/{file}.wgsl"), None, at
             raise ShaderError(where, f"imports {item.name!r} from slot {slot}, but {source.name} does not define it")
-        return source, slot, instance if per_layer else None
+        return source, None if of_all else slot, at
+
+    def of_all(self, source: Source, instance: int | None) -> Source:
+        """The file that speaks for all layers, where a layer's is wanted from outside of several layers."""
+        together = f"several/{source.name}"
+        wanted = instance is None and self.count > 1 and has_source(together) and self.is_layered(parse(source))
+        return package_source(together) if wanted else source
+
+    def per_layer(self, slot: str | None) -> bool:
+        """Whether each layer has its own filler of a slot."""
+        return _per_layer(slot) or (slot is not None and len(self.slots.get(slot, ())) > 1)
 
     def is_layered(self, module: Module, above: tuple[str, ...] = ()) -> bool:
         """Whether a module reaches, through its imports, what belongs to a layer."""
@@ -261,7 +297,7 @@ class _Linker:
         above = (*above, module.source.name)
         for item in module.imports:
             kind, name = item.path[0], item.path[1] if len(item.path) > 1 else ""
-            if kind == "slot" and _per_layer(name):
+            if kind == "slot" and self.per_layer(name):
                 return True
             if kind == "generated" and self.generated_is_layered(name, item.name):
                 return True
@@ -289,14 +325,14 @@ class _Linker:
             parsed = parse(target)
             if item.name not in parsed.declared:
                 raise ShaderError(where, f"imports {item.name!r}, which {target.name} does not declare")
-            layered = self.is_layered(parsed) or _per_layer(target_slot)
+            layered = self.is_layered(parsed) or self.per_layer(target_slot)
             found[item.local] = self.global_name(item.name, at if layered else None)
         return found
 
     def generated_name(self, item: Import, where: str, instance: int | None, slot: str | None) -> str:
         """What the host made of a name; a stage's own module is known by the stage's name and by its slot's."""
         name = item.path[1] if len(item.path) == 2 else ""
-        own: str = slot if slot and name in (slot, self.slots[slot][instance or 0][0]) else name
+        own: str = slot if slot and name in (slot, self.slots[slot][instance or 0 if self.per_layer(slot) else 0][0]) else name
         for key in ((own, instance, item.name), (own, None, item.name), (own, 0, item.name)):
             if key in self.generated.names:
                 return self.generated.names[key]

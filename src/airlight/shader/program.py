@@ -7,6 +7,7 @@ struct, static fields as constants, textures and tables with their bindings. Bin
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -16,9 +17,12 @@ from typing import Any
 from ..errors import StageError
 from ..stage import (
     BLOCK_VOXELS,
+    BOUND_GROUP_VOXELS,
+    BOUND_VOXELS,
     F32,
     SLOTS,
     U32,
+    BlockBounds,
     BlockLeaps,
     Bool,
     ClassifiedGrid,
@@ -47,6 +51,7 @@ from .layout import Struct, class_struct, make_struct
 from .link import Generated, Linked, link, package_source, parse, stage_source
 
 LUMINANCE_SUMS = 4096
+CHOSEN_WIDTH = 256  # pixels to a row of a list of them
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,8 @@ class FrameUniforms:
     t_offset_world: F32 = param(0.0, unit="world")
     cover_count: U32 = param(0)
     skin_world: F32 = param(0.0, unit="world")
+    fragment_slots: U32 = param(0)
+    change_slots: U32 = param(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +105,7 @@ class LightRecord:
 class ClipRecord:
     """A clip as the device sees it: rows of the way to where its shape is that of its kind; see ``airlight.clips``.
 
-    Each tells how many there are.
+    Each tells how many there are, and a mesh which of the outlines is its own.
     """
 
     x: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
@@ -107,6 +114,8 @@ class ClipRecord:
     kind: U32 = param(0)
     keeps_inside: Bool = param(True)
     capped: Bool = param(False)
+    cuts: U32 = param(0)
+    list: U32 = param(0)
     count: U32 = param(0)
 
 
@@ -136,15 +145,6 @@ class ClassifyUniforms:
     """Whether colours of voxels are kept times their extinction."""
 
     weighs: Bool = param(False)
-
-
-@dataclass(frozen=True)
-class BlockUniforms:
-    """How many blocks there are, how far beyond their faces samples count, and by which share of these the field overshoots."""
-
-    blocks: Vec3u = param((1, 1, 1))
-    reach: U32 = param(0, unit="voxel")
-    overshoot: F32 = param(0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +179,8 @@ class SlabTableUniforms:
 class MeshUniforms:
     """A mesh, the depths between which meshes lie, and which layer of them is drawn: 0 what is opaque, then from the eye on.
 
-    ``stride`` is how many vectors a vertex has: position, normal, and colour if there are three.
+    ``stride`` is how many vectors a vertex has: position, normal, and colour if there are three. Triangles are numbered through
+    all meshes, from ``first_triangle`` on.
     """
 
     world_from_mesh: Mat4f = param(None)
@@ -192,8 +193,21 @@ class MeshUniforms:
     stride: U32 = param(2)
     layer: U32 = param(0)
     layers: U32 = param(0)
+    first_triangle: U32 = param(0)
+    triangles: U32 = param(0)
     is_smooth: Bool = param(True)
     is_lit: Bool = param(True)
+
+
+@dataclass(frozen=True)
+class OutlineUniforms:
+    """A closed mesh that clips; see ``airlight.clips``. ``faces_out`` is -1 where its faces look in."""
+
+    list: U32 = param(0)
+    cuts: U32 = param(0)
+    keeps_inside: Bool = param(True)
+    capped: Bool = param(False)
+    faces_out: F32 = param(1.0)
 
 
 EXTRA_UNIFORMS: dict[str, type] = {
@@ -202,8 +216,8 @@ EXTRA_UNIFORMS: dict[str, type] = {
     "steep": SteepUniforms,
     "classify": ClassifyUniforms,
     "encoding": GradientEncoding,
-    "block": BlockUniforms,
     "mesh": MeshUniforms,
+    "outline": OutlineUniforms,
     "slab_table": SlabTableUniforms,
     "occlusion": OcclusionUniforms,
 }
@@ -227,18 +241,23 @@ PASS_RESOURCES: dict[str, str] = {
     "occluders_out": "texture_storage_3d<rgba16float, write>",
     "occluders": "texture_3d<f32>",
     "openness_out": "texture_storage_3d<rgba16float, write>",
-    "ranges_out": "array<vec2f>",
     "hits": "array<vec4f>",
+    "chosen": "array<u32>",
     "clips": "array<ClipRecord>",
     "covers": "array<f32>",
     "cover_counts": "array<atomic<u32>>",
+    "changes": "array<vec2u>",
+    "fragments": "array<u32>",
+    "fragment_counts": "array<atomic<u32>>",
+    "fragment_times": "array<f32>",
+    "most_fragments": "array<atomic<u32>>",
     "mesh_vertices": "array<vec4f>",
     "mesh_faces": "array<u32>",
     "triangles": "texture_2d<u32>",
     "peeled_depth": "texture_depth_2d",
     "opaque_depth": "texture_depth_2d",
 }
-READ_ONLY = ("clips", "mesh_vertices", "mesh_faces")
+READ_ONLY = ("chosen", "clips", "mesh_vertices", "mesh_faces")
 
 
 # What voxels add to sums, by whether their samples are packed, and whether some are marked as empty.
@@ -298,10 +317,14 @@ class Switches:
     ``surfaces_only``: slabs without a surface need not be taken. ``classifies``: colour and opacity of slabs are looked at.
     ``weighted``: a table of slabs tells which share of the light lies towards the back. ``curved``: values are put right for
     how the field curves along the ray. ``lights_ends``: lighting keeps how ends of slabs are lit.
-    ``skips_blocks``: blocks of voxels in which nothing is are passed over. ``walks_blocks``: each of the others is sampled,
-    whatever the step.
+    ``skips_blocks``: blocks of voxels in which nothing is are passed over; ``fills``: a ray shows something even where all of
+    its blocks are. ``blocks_know_more``: two samples do not tell that
+    slabs in these are empty. ``walks_blocks``: each of the others is sampled, whatever the step; ``walks_cells``: each of their
+    cells of eight voxels is looked through.
+    ``looks_for_extremes``: blocks whose values cannot change what has been found are passed over.
     ``has_crossings``: slabs are cut at surfaces of the transfer function. ``lights_faces``: where clips cut, light comes from
     their faces. ``draws_caps``: such faces may be solid. ``cuts_at_covers``: slabs are cut where meshes let light pass.
+    ``adaptive``: slabs are longer where little of them gets through to the eye.
     """
 
     has_empty: bool = False
@@ -312,11 +335,16 @@ class Switches:
     curved: bool = False
     lights_ends: bool = False
     skips_blocks: bool = False
+    fills: bool = False
+    blocks_know_more: bool = False
     walks_blocks: bool = False
+    walks_cells: bool = False
+    looks_for_extremes: bool = False
     has_crossings: bool = False
     cuts_at_covers: bool = False
     lights_faces: bool = False
     draws_caps: bool = False
+    adaptive: bool = False
 
 
 @dataclass(frozen=True)
@@ -332,6 +360,18 @@ class ProgramKey:
     traits: Traits
     groups: int = 0  # vectors of four in a value; 0 where it is a single number
     lights: int = 1
+    groups_of_layers: tuple[int, ...] = ()  # of each, where there are several
+
+    @property
+    def group_px(self) -> tuple[int, int]:
+        """Width and height of the pixels that a workgroup draws.
+
+        Where rays pass over what is empty, pixels close together take about as long: squares. Rows read samples faster.
+        """
+        x, y = self.traits.workgroup
+        walks = self.switches.skips_empty or self.switches.surfaces_only
+        side = math.isqrt(x * y)
+        return (side, x * y // side) if walks and y == 1 and "chosen" not in self.outputs else (x, y)
 
     def __str__(self) -> str:
         def one(slot: str, key: StageKey) -> str:
@@ -359,6 +399,8 @@ def _kind(resource: Resource) -> str:
             return "layers"
         case Grid():
             return "grid" if resource.filtered else "loaded_grid"
+        case BlockBounds():
+            return "loaded_grid"
         case GradientGrid():
             return "gradients"
         case LabelCells() | BlockLeaps() | DirectionGrid():
@@ -401,6 +443,9 @@ def build_program(key: ProgramKey) -> Program:
                 told = dict(stage.statics)
                 taps = TAPS[bool(told.get("packed")), bool(told.get("masked"))]
                 slots["taps"] = (*slots.get("taps", ()), (taps, package_source(f"taps/{taps}.wgsl")))
+                is_told = key.switches.skips_blocks and any(name == "leaps" for name, _ in stage.resources)
+                blocks = "bounds" if key.switches.looks_for_extremes else "leaps" if is_told else "unknown"
+                slots["blocks"] = (*slots.get("blocks", ()), (blocks, package_source(f"blocks/{blocks}.wgsl")))
     for name in key.extra:
         cls = EXTRA_UNIFORMS[name]
         members.append((name, class_struct(cls, name.title()), ""))
@@ -408,22 +453,33 @@ def build_program(key: ProgramKey) -> Program:
     slots["lookup"] = (
         ("lookup", package_source("lookup/filtered.wgsl" if key.traits.filters_float32 else "lookup/loaded.wgsl")),
     )
-    blocks = "leaps" if key.switches.skips_blocks else "unknown"
-    slots["blocks"] = ((blocks, package_source(f"blocks/{blocks}.wgsl")),)
+    slots.setdefault("blocks", (("unknown", package_source("blocks/unknown.wgsl")),))
     crossings = "cut" if key.switches.has_crossings else "none"
     slots["crossings"] = ((crossings, package_source(f"crossings/{crossings}.wgsl")),)
     has_surface = any("surface" in parse(source).declared for _, source in slots.get("integrate", ()))
     met = "surface" if has_surface else "nothing"
     slots["met"] = ((met, package_source(f"met/{met}.wgsl")),)
-    walk = "surfaces" if key.switches.walks_blocks else "lattice"
+    walk = "cells" if key.switches.walks_cells else "surfaces" if key.switches.walks_blocks else "lattice"
+    walk = "extremes" if key.switches.looks_for_extremes else walk
     slots["walk"] = ((walk, package_source(f"walk/{walk}.wgsl")),)
     covers = "meshes" if "covers" in key.outputs else "none"
     slots["covers"] = ((covers, package_source(f"covers/{covers}.wgsl")),)
     clips = "cut" if "clips" in key.outputs else "whole"
     slots["clips"] = ((clips, package_source(f"clips/{clips}.wgsl")),)
+    seen = "cut" if {"clips", "mesh_faces"} <= set(key.outputs) else "whole"
+    slots["seen"] = ((seen, package_source(f"seen/{seen}.wgsl")),)
+    outlines = "met" if "changes" in key.outputs else "none"
+    slots["outlines"] = ((outlines, package_source(f"outlines/{outlines}.wgsl")),)
+    pixels = "chosen" if "chosen" in key.outputs else "tile"
+    slots["pixels"] = ((pixels, package_source(f"pixels/{pixels}.wgsl")),)
+    driver = next((dict(stage.statics) for slot, stage in key.scene if slot == "driver"), {})
+    offsets = driver.get("offsets", "none")
+    slots["offsets"] = ((offsets, package_source(f"offsets/{offsets}.wgsl")),)
     hits = "kept" if "hits" in key.outputs else "dropped"
     slots["hits"] = ((hits, package_source(f"hits/{hits}.wgsl")),)
-    slots["values"] = (("values", package_source("values/packed.wgsl" if key.groups else "values/one.wgsl")),)
+    several = len(key.layers) > 1
+    values = ["packed" if groups else "one" for groups in (key.groups_of_layers if several else (key.groups,))]
+    slots["values"] = tuple(("values", package_source(f"values/{name}.wgsl")) for name in values)
     uniforms = make_struct("Uniforms", members)
     build.bind(0, "uniforms", "Uniforms", "uniform")
     if any(slot == "shade" for layer in key.layers for slot, _ in layer):
@@ -437,8 +493,19 @@ def build_program(key: ProgramKey) -> Program:
             build.names["pass", None, f"{name}_sampler"] = build.bind(3, f"{name}_sampler", "sampler", "sampler")
     x, y = key.traits.workgroup
     constants = {"WORKGROUP_X": x, "WORKGROUP_Y": y, "LUMINANCE_SUMS": LUMINANCE_SUMS, "GROUPS": key.groups}
-    constants |= {"BLOCK_VOXELS": BLOCK_VOXELS, "LIGHTS": key.lights}
+    constants |= {"BLOCK_VOXELS": BLOCK_VOXELS, "LIGHTS": key.lights, "CHOSEN_WIDTH": CHOSEN_WIDTH}
+    constants |= {"GROUP_X": key.group_px[0], "GROUP_Y": key.group_px[1]}
+    constants |= {"BOUND_VOXELS": BOUND_VOXELS, "BOUND_GROUP_VOXELS": BOUND_GROUP_VOXELS}
     switches = {name.upper(): str(value).lower() for name, value in dataclasses.asdict(key.switches).items()}
+    kinds = {"Values": _values_type(key.groups)}
+    if several:
+        # A value of all layers is that of each, in a chain; which of them hold nothing each looks for by itself.
+        kinds = {"Values": "Fetches_0"} | {f"Values_{i}": _values_type(n) for i, n in enumerate(key.groups_of_layers)}
+        constants |= {f"GROUPS_{i}": n for i, n in enumerate(key.groups_of_layers)}
+        switches |= {"HAS_EMPTY": "false", "SOME_EMPTY": switches["HAS_EMPTY"]}
+        for i in range(len(key.layers)):
+            own = {"Values": f"Values_{i}", "GROUPS": f"GROUPS_{i}", "HAS_EMPTY": "SOME_EMPTY"}
+            build.names |= {("sizes", i, name): wgsl for name, wgsl in own.items()}
     for name in ("Values", *switches, *constants):
         build.names["sizes", None, name] = name
     structs = {m.struct.name: m.struct for m in uniforms.members if m.struct}
@@ -447,7 +514,7 @@ def build_program(key: ProgramKey) -> Program:
     build.names["clips", None, "ClipRecord"] = "ClipRecord"
     text = "\n".join(
         [
-            f"alias Values = {f'array<vec4f, {key.groups}>' if key.groups else 'f32'};",
+            *(f"alias {name} = {wgsl};" for name, wgsl in kinds.items()),
             *(f"const {name}: bool = {value};" for name, value in switches.items()),
             *(f"const {name}: u32 = {value}u;" for name, value in constants.items()),
             *build.constants,
@@ -458,6 +525,11 @@ def build_program(key: ProgramKey) -> Program:
     )
     linked = link(stage_source(key.root, "driver"), slots, Generated(text, build.names))
     return Program(linked, uniforms, tuple(build.bindings), key)
+
+
+def _values_type(groups: int) -> str:
+    """WGSL type of a sample."""
+    return f"array<vec4f, {groups}>" if groups else "f32"
 
 
 def _pass_kind(name: str, wgsl: str) -> str:

@@ -10,17 +10,13 @@ import numpy as np
 
 from ..stage import F32, Context, Vec2f, Vec3f, param, register
 from ..volume import FloatArray
-from .camera import Camera, point_of
+from .camera import Camera, CameraFrame, point_of
 
 
 @dataclass(frozen=True)
-class RoundFrame:
+class RoundFrame(CameraFrame):
     """What the device needs: unit vectors, and the angles from the middle of the image to its edges."""
 
-    eye: Vec3f = param((0.0, 0.0, 0.0), unit="world")
-    forward: Vec3f = param((0.0, 0.0, 1.0), unit="1")
-    right: Vec3f = param((1.0, 0.0, 0.0), unit="1")
-    up: Vec3f = param((0.0, 1.0, 0.0), unit="1")
     half_angles: Vec2f = param((math.pi, math.pi / 2), unit="rad")
 
 

@@ -11,20 +11,16 @@ import numpy as np
 
 from ..stage import F32, Context, Vec3f, param, register, static
 from ..volume import FloatArray
-from .camera import Camera, point_of
+from .camera import Camera, CameraFrame, point_of
 
 INTEROCULAR = 1 / 30
 """Distance of the eyes, as a share of that of convergence, unless told: what is comfortable to look at."""
 
 
 @dataclass(frozen=True)
-class StereoFrame:
+class StereoFrame(CameraFrame):
     """What the device needs: ``right`` and ``up`` span half of one eye's image at distance one."""
 
-    eye: Vec3f = param((0.0, 0.0, 0.0), unit="world")
-    forward: Vec3f = param((0.0, 0.0, 1.0), unit="1")
-    right: Vec3f = param((1.0, 0.0, 0.0), unit="1")
-    up: Vec3f = param((0.0, 1.0, 0.0), unit="1")
     to_right_eye: Vec3f = param((0.0, 0.0, 0.0), unit="world")
     convergence: F32 = param(1.0, unit="world")
     views: F32 = param(2.0)
@@ -59,7 +55,7 @@ class Stereo(Camera):
     def uniforms(self, context: Context) -> StereoFrame:
         """Return the frame for the image's size."""
         right, up, forward = self.basis()
-        views, half_height = self._views, self._half_height
+        views, half_height = self.views, self._half_height
         half_width = half_height * context.size_px[0] / views / context.size_px[1]
         return StereoFrame(
             eye=self.eye,
@@ -75,7 +71,7 @@ class Stereo(Camera):
     def ray(self, p_px: tuple[float, float], size_px: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
         """Return where the ray of a point of the image begins, and its direction, both (3,) in the world."""
         right, up, forward = self.basis()
-        width_px = size_px[0] / self._views
+        width_px = size_px[0] / self.views
         of_right_eye = self.view == "right" or (self.view == "both" and p_px[0] >= width_px)
         x_px = p_px[0] - width_px if self.view == "both" and of_right_eye else p_px[0]
         to_eye = right * (self._half_apart if of_right_eye else -self._half_apart)
@@ -88,7 +84,8 @@ class Stereo(Camera):
         return 0.0, 2 * self._half_height / size_px[1]
 
     @property
-    def _views(self) -> int:
+    def views(self) -> int:
+        """How many eyes see parts of the image, side by side."""
         return 2 if self.view == "both" else 1
 
     @property

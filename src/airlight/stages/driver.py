@@ -3,13 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from ..stage import Stage, register, static, value
+import numpy as np
+import numpy.typing as npt
+
+from ..stage import F32, Context, Resource, Stage, Table, param, register, static, value
 from ..transfer.given import whole
+from ..volume import FloatArray
+from .offsets import INTERLEAVED, NONE, blue_noise, blue_noise_texels, fraction_of_frame
 
 MOST_MESH_LAYERS = 32
+MOST_CLIP_LAYERS = 64
+MOST_SHIFT = 1 << 24
+
+
+@dataclass(frozen=True)
+class OffsetUniforms:
+    """Shift of the samples of all pixels, as a share of a step."""
+
+    shift: F32 = param(0.0)
 
 
 @register
@@ -20,22 +34,57 @@ class March(Stage):
     slot: ClassVar[str] = "driver"
     name: ClassVar[str] = "march"
     wgsl: ClassVar[str] = "march.wgsl"
+    uniform_type: ClassVar[type] = OffsetUniforms
     curved: bool = static(True, help="put values right for the field's curvature where slabs of a smooth field are integrated")
-    offsets: str = static("none", choices=("none", "interleaved"), help="shift of the samples along each ray")
+    offsets: str = static(
+        "none", choices=("none", "interleaved", "blue_noise"), help="shift of the samples along each ray, from pixel to pixel"
+    )
     refine: str = static(
         "bisection",
         choices=("none", "bisection", "secant", "exact"),
         help="how the place of a surface between two samples is sharpened",
     )
+    adaptive: bool = static(
+        False, help="take slabs of up to 8 steps where little of them gets through to the eye; the image changes a little"
+    )
     blocks: bool = static(True, help="sample each block of 4 voxels that may hold the surface, whatever the step")
     mesh_layers: int = value(
         4, at_least=1, up_to=MOST_MESH_LAYERS, help="most semi-transparent layers of meshes that a ray meets, the nearest ones"
+    )
+    clip_layers: int = value(
+        16, at_least=2, up_to=MOST_CLIP_LAYERS, help="most surfaces of a closed mesh that clips which a ray may pass"
+    )
+    shift: int = value(
+        0, at_least=0, up_to=MOST_SHIFT, help="number of a frame, each with samples at other places: their mean converges"
     )
 
     def __post_init__(self) -> None:
         """Check the parameters."""
         super().__post_init__()
+        whole(self.shift, "driver.march.shift", 0, MOST_SHIFT)
         whole(self.mesh_layers, "driver.march.mesh_layers", 1)
+        whole(self.clip_layers, "driver.march.clip_layers", 2)
+
+    def converging(self) -> March:
+        """Return the march whose slabs are as long as told."""
+        return replace(self, adaptive=False)
+
+    def uniforms(self, context: Context) -> OffsetUniforms:
+        """Return the shift of the frame."""
+        return OffsetUniforms(fraction_of_frame(self.shift))
+
+    def resources(self, context: Context) -> Mapping[str, Resource]:
+        """Return the tile of blue noise, where it is asked for."""
+        return {"noise": Table(blue_noise_texels())} if self.offsets == "blue_noise" else {}
+
+    def offset_fraction(self, x_px: npt.ArrayLike, y_px: npt.ArrayLike) -> FloatArray:
+        """Return by which share of a step the samples of pixels are shifted away from the eye.
+
+        It is what ``airlight.reference.render`` asks for under this name.
+        """
+        tile = blue_noise() if self.offsets == "blue_noise" else INTERLEAVED if self.offsets == "interleaved" else NONE
+        pattern = tile[np.asarray(y_px) % tile.shape[0], np.asarray(x_px) % tile.shape[1]]
+        return np.asarray((pattern + fraction_of_frame(self.shift)) % 1.0)
 
 
 def sharpens_surfaces(driver: Stage) -> bool:

@@ -80,7 +80,7 @@ class Environment(Shade):
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
         """Return the maps of the environment, and what is reflected of a white one."""
-        return {"maps": Table(light_maps(self.environment.source)), "reflection": Table(reflection_table())}
+        return {"maps": Table(light_maps(self.environment.source, context.progress)), "reflection": Table(reflection_table())}
 
     def errors(self, context: Context) -> dict[str, Estimate]:
         """Return what lies between this roughness and the maps next to it: an eighth of how radiance bends over them."""

@@ -135,6 +135,10 @@ class Linear(Field):
 
         return LinearChannels()
 
+    def converging(self) -> Field:
+        """Return the field whose weights are exact."""
+        return LinearExact()
+
 
 @register
 @dataclass(frozen=True)

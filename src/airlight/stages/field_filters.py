@@ -137,6 +137,10 @@ class BSpline(Spline):
 
     def for_channels(self) -> Field:
         """Return the exact spline."""
+        return self.converging()
+
+    def converging(self) -> Field:
+        """Return the exact spline."""
         return BSplineExact(self.prefilter)
 
 

@@ -18,9 +18,14 @@ MOST_EXACT, MOST_OF_HALF = 2048, 6e4  # whole numbers up to here are exact in ha
 
 
 class Gradient(Stage):
-    """Base of the gradients."""
+    """Base of the gradients.
+
+    ``reach_voxels`` tells that a component is a mean of differences of the field over at least a voxel, of places that lie so
+    far away at most; None where it is something else.
+    """
 
     slot: ClassVar[str] = "gradient"
+    reach_voxels: ClassVar[int | None] = None
 
     def arranged(self, chosen: Mapping[str, Stage]) -> dict[str, Stage]:
         """Return a layer's stages by slot, with what this gradient asks of the others."""
@@ -43,6 +48,7 @@ class Central(Gradient):
 
     name: ClassVar[str] = "central"
     wgsl: ClassVar[str] = "gradient/central.wgsl"
+    reach_voxels: ClassVar[int | None] = 1
 
 
 @register
@@ -52,6 +58,7 @@ class Sobel(Gradient):
 
     name: ClassVar[str] = "sobel"
     wgsl: ClassVar[str] = "gradient/sobel.wgsl"
+    reach_voxels: ClassVar[int | None] = 1
 
 
 @register
@@ -86,6 +93,11 @@ class Precomputed(Gradient):
     def asks_derivative(self) -> bool:
         """Whether the method does."""
         return self.method == "analytic"
+
+    @property
+    def reach_voxels(self) -> int | None:  # type: ignore[override]
+        """That of the method; what lies between voxels is a mean of theirs."""
+        return getattr(STAGES["gradient"][self.method], "reach_voxels", None)
 
     def uniforms(self, context: Context) -> GradientEncoding:
         """Return how gradients lie in texels."""

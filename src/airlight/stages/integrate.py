@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from ..errors import ValueRangeError
-from ..stage import F32, Bool, Context, Mat3f, Resource, Stage, Stretches, Table, Vec3f, param, register, static, value
+from ..stage import F32, Bool, Conditions, Context, Mat3f, Resource, Stage, Table, Vec3f, param, register, static, value
 from ..transfer.joint import JointFunction
+from .field import needed_groups
 from .hit_colours import COLOUR_BY, UNUSED_COLOURS, check_colours, colour_table, hit_colour_uniforms, is_by_curvature
-from .transfer import Transfer
+from .transfer import Transfer, on_one_of
 
 
 class Integrate(Stage):
@@ -23,7 +24,9 @@ class Integrate(Stage):
     ``uses_values`` whether it looks at values; ``skips_empty`` whether empty slabs leave the result as it is, ``surfaces_only``
     whether all slabs without a surface do; ``colours_samples`` whether ``medium`` is asked about samples of the field, not
     about numbers made of several, which lie nowhere; ``takes_covers`` whether semi-transparent meshes are taken in between, as
-    slabs without length; ``thinned`` by what all extinctions are multiplied before slabs are classified.
+    slabs without length; ``thinned`` by what all extinctions are multiplied before slabs are classified; ``fills`` whether a
+    ray that meets samples shows something even where nothing is; ``extreme`` which end of a range of values, "greatest" or
+    "least", tells whether they may matter: the device half has ``settled``.
     """
 
     slot: ClassVar[str] = "integrate"
@@ -35,15 +38,17 @@ class Integrate(Stage):
     colours_samples: ClassVar[bool] = True
     takes_covers: ClassVar[bool] = False
     thinned: ClassVar[float] = 1.0
+    fills: ClassVar[bool] = False
+    extreme: ClassVar[str] = "none"
 
     @property
     def uses_gradient(self) -> bool:
         """Whether the look's gradient stage is asked beside light."""
         return False
 
-    def idle_values(self, transfer: Stage, context: Context) -> Stretches:
-        """Return closed intervals of values; where all of the field's lie within one of them the result stays as it is."""
-        return transfer.empty_values(context) if self.skips_empty and isinstance(transfer, Transfer) else ()
+    def idle(self, transfer: Stage, context: Context) -> Conditions | None:
+        """Return the conditions under which the field leaves the result as it is; None where no values tell."""
+        return transfer.empty_where(context) if self.skips_empty and isinstance(transfer, Transfer) else None
 
 
 @register
@@ -63,6 +68,10 @@ class EmissionAbsorption(Integrate):
     takes_covers: ClassVar[bool] = True
     opaque_at: F32 = param(0.99995, above=0, up_to=1, help="opacity at which a ray ends")
 
+    def converging(self) -> EmissionAbsorption:
+        """Return the stage whose rays end where nothing is left to be seen."""
+        return replace(self, opaque_at=1.0)
+
 
 @register
 @dataclass(frozen=True)
@@ -71,6 +80,7 @@ class Mip(Integrate):
 
     name: ClassVar[str] = "mip"
     wgsl: ClassVar[str] = "integrate/mip.wgsl"
+    extreme: ClassVar[str] = "greatest"
 
 
 @register
@@ -80,6 +90,7 @@ class MinIp(Integrate):
 
     name: ClassVar[str] = "minip"
     wgsl: ClassVar[str] = "integrate/minip.wgsl"
+    extreme: ClassVar[str] = "least"
 
 
 @register
@@ -181,11 +192,12 @@ class FirstHit(Integrate):
             return FirstHitUniforms(iso, **shown)
         return FirstHitUniforms(iso, True, sheet.front[0], sheet.back[0], **shown)
 
-    def idle_values(self, transfer: Stage, context: Context) -> Stretches:
+    def idle(self, transfer: Stage, context: Context) -> Conditions | None:
         """Return what lies before the surface, and behind it where that is not solid."""
         iso = np.float32(self.uniforms(context).iso)
         before, behind = (-math.inf, float(np.nextafter(iso, np.float32(-np.inf)))), (float(iso), math.inf)
-        return {"above": (before,), "below": (behind,), "both": (before, behind)}[self.side]
+        stretches = {"above": (before,), "below": (behind,), "both": (before, behind)}[self.side]
+        return on_one_of(stretches, 4 * needed_groups(context)[0])
 
 
 from .projections import AttenuatedMip, DepthShadedMip, LocalMip, WeightedSum, XRay  # noqa: E402  (they are made of the above)

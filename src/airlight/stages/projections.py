@@ -27,7 +27,9 @@ class Sum(Integrate):
 
     classifies: ClassVar[bool] = True
     uses_values: ClassVar[bool] = False
+    skips_empty: ClassVar[bool] = True
     thinned: ClassVar[float] = THINNED
+    fills: ClassVar[bool] = True
 
 
 @dataclass(frozen=True)
@@ -135,6 +137,7 @@ class AttenuatedMip(Integrate):
 
     name: ClassVar[str] = "attenuated_mip"
     wgsl: ClassVar[str] = "integrate/attenuated_mip.wgsl"
+    extreme: ClassVar[str] = "greatest"
     uniform_type: ClassVar[type] = AttenuatedMipUniforms
     attenuation: F32 | None = param(
         None, unit="1/world", at_least=0, help="extinction at the last value of the function; None: 20 over the longest side"
@@ -171,6 +174,7 @@ class DepthShadedMip(Integrate):
 
     name: ClassVar[str] = "depth_shaded_mip"
     wgsl: ClassVar[str] = "integrate/depth_shaded_mip.wgsl"
+    extreme: ClassVar[str] = "greatest"
     uniform_type: ClassVar[type] = DepthShadedMipUniforms
     darkest: F32 = param(0.2, at_least=0, up_to=1, help="brightness at the far end")
     near: F32 | None = param(None, unit="world", help="distance from the eye at which brightness falls; None: the near end")
@@ -239,6 +243,7 @@ class LocalMip(Integrate):
 
     name: ClassVar[str] = "local_mip"
     wgsl: ClassVar[str] = "integrate/local_mip.wgsl"
+    extreme: ClassVar[str] = "greatest"
     uniform_type: ClassVar[type] = LocalMipUniforms
     threshold: F32 | None = param(None, unit="data", help="value to be reached; None: where extinction is half of its maximum")
     drop: F32 = param(0.0, unit="data", at_least=0, help="how far values must fall behind a maximum; against noise")

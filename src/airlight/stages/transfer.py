@@ -14,6 +14,7 @@ from ..errors import StageError
 from ..stage import (
     F32,
     U32,
+    Conditions,
     Context,
     Estimate,
     Mat4f,
@@ -110,6 +111,10 @@ class Transfer(Stage):
         """Return the stage that draws a function as exactly as this promises to, if it is not this."""
         return self
 
+    def converging(self) -> Transfer:
+        """Return the stage for pictures of a known error."""
+        return self
+
     def sharpened(self) -> Transfer:
         """Return the stage that tells its surfaces one by one, for drivers that look for their places, if it is not this."""
         return self
@@ -117,6 +122,10 @@ class Transfer(Stage):
     def empty_values(self, context: Context) -> Stretches:
         """Return the stretches of values, at most four, on each of which the function holds nothing."""
         return widest(context.transfer.empty_stretches)
+
+    def empty_where(self, context: Context) -> Conditions | None:
+        """Return the conditions under which the function holds nothing; None where no values tell."""
+        return on_one_of(self.empty_values(context))
 
     def has_empty(self, context: Context) -> bool:
         """Whether there are values at which the function holds nothing, so that slabs can be skipped."""
@@ -189,6 +198,11 @@ def is_empty_beyond(function: TransferFunction) -> bool:
     return bool(stretches) and stretches[0][0] == -np.inf and stretches[-1][1] == np.inf
 
 
+def on_one_of(stretches: Stretches, place: int = 0) -> Conditions | None:
+    """Return the condition that values of the channel at a place lie on one of some stretches; None where there are none."""
+    return (tuple((place, low, high) for low, high in stretches),) if stretches else None
+
+
 def widest(stretches: Stretches) -> Stretches:
     """Return the four widest stretches; what is left out is drawn like everything else."""
     return tuple(sorted(stretches, key=lambda s: s[0] - s[1])[:4])
@@ -213,6 +227,10 @@ class PostClassified(Transfer):
 
     name: ClassVar[str] = "postclassified"
     wgsl: ClassVar[str] = "transfer/postclassified.wgsl"
+
+    def converging(self) -> Transfer:
+        """Return the stage that misses nothing between the values of two samples."""
+        return ExactPreIntegrated(weighted=True)
 
 
 @register
@@ -303,6 +321,10 @@ class PreIntegrated(Transfer):
         table = self.table(context)
         base = super().uniforms(context)
         return replace(base, slab_entries=table.entries, slab_lengths=table.lengths, slab_length=table.length)
+
+    def converging(self) -> Transfer:
+        """Return the stage that needs no table."""
+        return self.exact(weighted=self.weighted)
 
     def splitting(self) -> Transfer:
         """Return the stage whose table is weighted."""

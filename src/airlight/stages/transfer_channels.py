@@ -11,14 +11,14 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..errors import StageError
-from ..stage import Context, Estimate, Mat4f, Resource, Stretches, Table, param
+from ..stage import Conditions, Context, Estimate, Mat4f, Resource, Stretches, Table, param
 from ..transfer.cells import all_even, even_cells, has_stepped_ends, stacked_texels, value_axis
 from ..transfer.channels import ENDLESS, Channels
 from ..transfer.function import TransferFunction
 from ..transfer.regions import ByRegion
 from ..volume import FloatArray
 from .field_channels import by_group, lanes_of
-from .transfer import Transfer, is_empty_beyond, without_table
+from .transfer import Transfer, is_empty_beyond, on_one_of, widest, without_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +65,16 @@ class Mixture(OfSeveral):
     def empty_values(self, context: Context) -> Stretches:
         """Return nothing: one value does not tell of several."""
         return ()
+
+    def empty_where(self, context: Context) -> Conditions | None:
+        """Return that each channel's values lie on one of the stretches on which its function holds nothing."""
+        function: Channels = context.transfer
+        found = tuple(
+            alternatives
+            for part, place in zip(function.functions, function.places(context.volume), strict=True)
+            for alternatives in on_one_of(_widest_of(part), place) or ((),)
+        )
+        return found if all(found) else None
 
     def has_empty(self, context: Context) -> bool:
         """Whether there are values at which no function holds anything."""
@@ -142,10 +152,14 @@ def _listed(numbers: Any) -> FloatArray:
     return by_group(dict(enumerate(numbers)))
 
 
+def _widest_of(function: TransferFunction) -> Stretches:
+    return widest(function.empty_stretches)[:2]
+
+
 def _two_widest(function: TransferFunction) -> tuple[float, float, float, float]:
     """Ends of the two widest stretches on which a function holds nothing; none is one that begins behind its end."""
-    widest = sorted(function.empty_stretches, key=lambda s: s[0] - s[1])[:2]
-    (a, b), (c, d) = ([(max(low, -ENDLESS), min(high, ENDLESS)) for low, high in widest] + [(ENDLESS, -ENDLESS)] * 2)[:2]
+    ends = [(max(low, -ENDLESS), min(high, ENDLESS)) for low, high in _widest_of(function)]
+    (a, b), (c, d) = ([*ends, (ENDLESS, -ENDLESS), (ENDLESS, -ENDLESS)])[:2]
     return a, b, c, d
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
@@ -10,9 +11,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..errors import StageError
-from ..stage import U32, Context, Estimate, Resource, Stretches, Table, Vec3f, Vec3u, Vec4f, param
+from ..stage import U32, Conditions, Context, Estimate, Resource, Stretches, Table, Vec3f, Vec3u, Vec4f, param
 from ..transfer.channels import MOST_CHANNELS
-from ..transfer.joint import TABLE_ENTRIES, JointFunction
+from ..transfer.joint import TABLE_ENTRIES, JointFunction, just
 from ..transfer.kinds import DrawnFunction
 from .transfer import Transfer, ends_of, widest
 
@@ -82,6 +83,21 @@ class Joint(Transfer):
         if function.variables[0] in ("gradient", "second"):
             return ()
         return widest(function.empty_values_widened(function.axes[0].span / (self._entries(function) - 1)))
+
+    def empty_where(self, context: Context) -> Conditions | None:
+        """Return that each shape is missed by one of its variables at least; nothing is looked up of the second derivative."""
+        function: JointFunction = context.transfer
+        numbers = [_number(variable, context) for variable in function.variables]
+        names = [{GRADIENT: "gradient", SECOND: "second"}.get(number, number) for number in numbers]
+        last = self._entries(function) - 1
+        return tuple(
+            tuple(
+                stretch
+                for name, (low, high) in zip(names, bounds, strict=True)
+                for stretch in ((name, -math.inf, just(low, -math.inf)), (name, just(high, math.inf), math.inf))
+            )
+            for bounds in function.bounds_widened([axis.span / last for axis in function.axes])
+        )
 
     def uniforms(self, context: Context) -> Any:
         """Return the axes of the function and the size of its table."""

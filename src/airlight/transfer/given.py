@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Iterable, Mapping
 from numbers import Integral
 from typing import Any
 
@@ -115,6 +116,35 @@ def direction(given: Any, where: str) -> tuple[float, float, float]:
     if not 0 < length < math.inf:
         raise ValueRangeError(where, f"is {given!r}, must be a finite direction")
     return (x, y, z) if abs(length - 1) <= ROUNDING else (x / length, y / length, z / length)
+
+
+def kind_of(data: Mapping[str, Any], kinds: Iterable[str], where: str) -> str:
+    """Return the entry ``kind`` of plain data.
+
+    Raises
+    ------
+    ValueRangeError
+        When it is none of the kinds, or the data are no table.
+    """
+    if not isinstance(data, Mapping):
+        raise ValueRangeError(where, f"is {data!r}, must be a table", f"with kind, one of {', '.join(kinds)}")
+    kind = data.get("kind")
+    if not isinstance(kind, str) or kind not in kinds:
+        raise ValueRangeError(f"{where}.kind", f"is {kind!r}, must be one of {', '.join(kinds)}")
+    return kind
+
+
+def check_names(data: Mapping[str, Any], known: Collection[str], where: str, kind: str) -> None:
+    """Refuse entries of plain data beside the kind and what it has.
+
+    Raises
+    ------
+    ValueRangeError
+        For the first that is unknown.
+    """
+    for name in data:
+        if name != "kind" and name not in known:
+            raise ValueRangeError(f"{where}.{name}", f"is no parameter of {kind}", f"it has {', '.join(known)}")
 
 
 def whole(given: Any, where: str, least: int, most: int | None = None, remedy: str = "") -> int:

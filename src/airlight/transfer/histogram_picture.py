@@ -83,9 +83,9 @@ def label(histogram: JointHistogram, number: int) -> str:
     return f"{words} ({unit})" if unit else words
 
 
-def ticks(axis: Axis) -> list[tuple[float, str]]:
-    """Round values within an axis, about half a dozen, as numbers and as they are written."""
-    rough = axis.span / TICKS
+def ticks(axis: Axis, count: int = TICKS) -> list[tuple[float, str]]:
+    """Round values within an axis, about so many, as numbers and as they are written."""
+    rough = axis.span / count
     ten = 10.0 ** math.floor(math.log10(rough))
     step = next(ten * m for m in (1, 2, 5, 10) if ten * m >= rough)
     places = range(math.ceil(axis.low / step), math.floor(axis.high / step) + 1)

@@ -157,26 +157,31 @@ class JointFunction(saving.Kept):
         """
         return self.empty_values_widened(0.0)
 
+    def bounds_widened(self, margins: Iterable[float]) -> list[tuple[tuple[float, float], ...]]:
+        """Bounds of each shape that holds anything, (low, high) of each variable, further by a margin of each."""
+        # A shape that is told to be larger does not get out of the axes' box, where the function ends.
+        return [
+            tuple(
+                (max(float(low) - margin, axis.low), min(float(high) + margin, axis.high))
+                for axis, margin, (low, high) in zip(self.axes, margins, shape.bounds(self._spans), strict=True)
+            )
+            for shape in self.shapes
+            if shape.extinction > 0 or (self.associated and not shape.is_black)
+        ]
+
     def empty_values_widened(self, margin: float) -> tuple[tuple[float, float], ...]:
         """``empty_values`` where each shape reaches further by ``margin``, in units of the first variable.
 
         A table of n entries that is interpolated reaches further than its shapes by up to ``axes[0].span / (n - 1)``.
         """
-        first = self.axes[0]
-        # A shape that is told to be larger does not get out of the axes' box, where the function ends.
-        taken = sorted(
-            (max(float(low) - margin, first.low), min(float(high) + margin, first.high))
-            for shape in self.shapes
-            if shape.extinction > 0 or (self.associated and not shape.is_black)
-            for low, high in [shape.bounds(self._spans)[0]]
-        )
+        taken = sorted(bounds[0] for bounds in self.bounds_widened((margin,) * len(self.axes)))
         found: list[tuple[float, float]] = []
         begin = -np.inf
         for low, high in taken:
-            end = _just(low, -np.inf)
+            end = just(low, -np.inf)
             if end > begin:
                 found.append((begin, end))
-            begin = max(begin, _just(high, np.inf))
+            begin = max(begin, just(high, np.inf))
         return (*found, (begin, np.inf))
 
     def scaled(self, density: float) -> JointFunction:
@@ -227,7 +232,8 @@ def _table(function: JointFunction, n: int) -> npt.NDArray[np.float32]:
     return texels
 
 
-def _just(value: float, towards: float) -> float:
+def just(value: float, towards: float) -> float:
+    """Return the next float32 behind a value."""
     return float(np.nextafter(np.float32(value), np.float32(towards)))
 
 

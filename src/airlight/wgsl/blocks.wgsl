@@ -37,3 +37,20 @@ fn faces_of(origin: vec3f, direction: vec3f, block: vec3f, reach: f32) -> vec3f 
 }
 
 fn least(v: vec3f) -> f32 { return min(v.x, min(v.y, v.z)); }
+
+// For a quick walk from cube to cube: the inverse of a ray's direction in index coordinates, along which axes it goes and which of
+// them upwards, and how far behind a face it is taken to be in the next cube, a thousandth of a voxel [world].
+struct Pace { rate: vec3f, along: vec3<bool>, up: vec3<bool>, beyond: f32 }
+
+fn pace_of(direction: vec3f) -> Pace {
+  let along = abs(direction) > vec3f(1e-30);
+  let rate = 1.0 / select(vec3f(1.0), direction, along);
+  let pace = max(abs(direction.x), max(abs(direction.y), abs(direction.z)));
+  return Pace(rate, along, direction > vec3f(0.0), 1e-3 / pace);
+}
+
+// Just behind the cube from `low` to `high`, of a ray that is inside at `p` [world].
+fn past(pace: Pace, p: vec3f, t_world: f32, low: vec3f, high: vec3f) -> f32 {
+  let left = select(vec3f(INFINITE), (select(low, high, pace.up) - p) * pace.rate, pace.along);
+  return t_world + max(least(left), 0.0) + pace.beyond;
+}

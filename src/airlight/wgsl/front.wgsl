@@ -2,16 +2,27 @@
 
 import generated::sizes::{LIGHTS_ENDS, LIGHTS_FACES};
 import package::faces::{Face, lit_behind};
+import package::optics::tinted;
 import package::ray::Ray;
 import package::sample::{Sample, Slab};
 import slot::lighting::{light_slab, LitEnd, know_light, light_known};
-import slot::transfer::Known;
+import slot::transfer::{Known, classify_known, know};
 
 struct Front {
   here: Sample,
   known: Known,
   light: LitEnd,  // where lighting asks for how ends are lit,
   is_lit: bool,   // and whether it is known
+}
+
+struct LitSlab { slab: Slab, lit_rgb: vec3f }
+
+// The slab from the front to a sample, of which the front then knows what is known of the sample.
+fn next_slab(front: ptr<function, Front>, back: Sample, length: f32, tint: vec3f, face: Face, ray: Ray) -> LitSlab {
+  let back_known = know(back);
+  let slab = tinted(classify_known((*front).here, (*front).known, back, back_known, length), tint);
+  (*front).known = back_known;
+  return LitSlab(slab, lit_slab(front, back, slab, face, ray));
 }
 
 fn lit_slab(front: ptr<function, Front>, back: Sample, slab: Slab, face: Face, ray: Ray) -> vec3f {

@@ -5,14 +5,14 @@ import generated::pass::{radiance, depth};
 import generated::sizes::{CLASSIFIES, CUTS_AT_COVERS, DRAWS_CAPS, HAS_CROSSINGS, HAS_EMPTY, LIGHTS_FACES, SKIPS_EMPTY, SURFACES_ONLY};
 import generated::sizes::{WORKGROUP_X, WORKGROUP_Y};
 import package::faces::{Face, face_gradient, face_of, take_cap};
-import package::front::{Front, lit_slab};
+import package::front::{Front, next_slab};
 import package::kept::Kept;
 import package::met::Met;
-import package::optics::tinted;
 import package::pieces::{covered, end_of, next_kept, take_covers};
+import package::places::place_in_tile;
 import package::ray::INFINITE;
 import package::sample::{Sample, Slab, Result};
-import package::walk::{Line, fetch, line_of, sample_of};
+import package::walk::{Line, border_behind, fetch, holds_layer, line_of, sample_of};
 import slot::camera::eye_ray;
 import slot::clips::HAS_CLIPS;
 import slot::crossings::take_crossings;
@@ -20,8 +20,9 @@ import slot::field::locate;
 import slot::gradient::field_gradient;
 import slot::hits::{KEEPS_HITS, keep_hit};
 import slot::met::{shown_surface, take_surface};
-import slot::transfer::{know, know_empty, classify_known};
+import slot::transfer::{know, know_empty};
 import slot::modulation::weight;
+import slot::pixels::pixel_at;
 import slot::region::part_at;
 import slot::integrate::{Accumulated, begin, take, finish};
 import slot::tone::tone;
@@ -31,12 +32,10 @@ import slot::walk::{ends_of, begin_walk, walk_on};
 const HALF_OPAQUE = 4.0;  // the side of what is kept where no surfaces are looked for
 
 @compute @workgroup_size(WORKGROUP_X, WORKGROUP_Y)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-  // Software devices give each processor one stretch of rows: dealt out in turn, all get as much to do.
-  let rows = (frame.tile_size_px.y + frame.strands - 1u) / frame.strands;
-  let place = vec2u(id.x, (id.y % rows) * frame.strands + id.y / rows);
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
+  let place = place_in_tile(group.xy, thread);
   if (any(place >= frame.tile_size_px)) { return; }
-  let pixel = frame.tile_origin_px + place;
+  let pixel = pixel_at(place);
   let p_px = vec2f(pixel) + 0.5;
   var samples = 0.0;
   var met = Met(0.0, 0.0, 0u);
@@ -63,9 +62,9 @@ fn march(line: Line, at: u32, samples: ptr<function, f32>, met: ptr<function, Me
   var face: Face;
   var covers_taken = 1u;
   loop {
-    piece.leave = kept.end;
-    if (CUTS_AT_COVERS) { piece.leave = min(kept.end, take_covers(&acc, at, &covers_taken, piece.enter, leave)); }
-    if (piece.leave <= piece.enter || march_piece(piece, kept, &face, &acc, samples, met)) { break; }
+    piece.leave = min(kept.end, border_behind(line, piece.enter));
+    if (CUTS_AT_COVERS) { piece.leave = min(piece.leave, take_covers(&acc, at, &covers_taken, piece.enter, leave)); }
+    if (piece.leave <= piece.enter || (holds_layer(piece) && march_piece(piece, kept, &face, &acc, samples, met))) { break; }
     piece.enter = piece.leave;
     if (HAS_CLIPS && piece.enter >= kept.end) {
       kept = next_kept(line, kept.end, leave);
@@ -94,7 +93,7 @@ fn march_piece(
   var ended = false;
   var stops = false;
   loop {
-    walk_on(&walk, line);
+    walk_on(&walk, line, acc);
     front.here = sample_of(line, walk.front);
     let next = sample_of(line, walk.next);
     if (CLASSIFIES && SKIPS_EMPTY && walk.idled) { front.known = know_empty(front.here); }
@@ -128,7 +127,6 @@ fn march_piece(
     var slab = Slab(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0);
     var lit_rgb = vec3f(0.0);
     if (CLASSIFIES) {
-      let back_known = know(back);
       // Extinction times opacity is a length times opacity.
       let part = part_at(mix(front.here.p_index, back.p_index, 0.5));
       let thinning = part.opacity * weight(front.here, back, length);
@@ -137,9 +135,9 @@ fn march_piece(
         stops = ended;
         if (ended) { break; }
       }
-      slab = tinted(classify_known(front.here, front.known, back, back_known, length * thinning), part.rgb);
-      front.known = back_known;
-      lit_rgb = lit_slab(&front, back, slab, *face, line.ray);
+      let sent = next_slab(&front, back, length * thinning, part.rgb, *face, line.ray);
+      slab = sent.slab;
+      lit_rgb = sent.lit_rgb;
     }
     stops = take(acc, front.here, back, slab, lit_rgb, length);
     ended = stops || next.t_world >= line.leave;

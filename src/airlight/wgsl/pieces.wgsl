@@ -1,12 +1,11 @@
 // What of a ray is marched: the pieces that clips keep, up to the nearest opaque mesh. And meshes, in between and behind.
 
-import generated::sizes::{SKIPS_BLOCKS, SURFACES_ONLY};
-import package::blocks::way_from;
+import generated::sizes::{FILLS, SKIPS_BLOCKS, SURFACES_ONLY};
 import package::cover::{Cover, result_over};
 import package::kept::Kept;
 import package::ray::INFINITE;
 import package::sample::{Sample, Slab, Result};
-import package::walk::{Line, leapt};
+import package::walk::{Line, next_block};
 import slot::clips::{HAS_CLIPS, kept_from};
 import slot::covers::{HAS_COVERS, cover_at};
 import slot::integrate::{Accumulated, take};
@@ -18,18 +17,14 @@ fn end_of(line: Line, at: u32) -> f32 {
 }
 
 // The next piece that clips keep, at a distance [world] or behind it; one without length where there is none. Pieces in which nothing
-// is are passed over.
+// is are passed over, unless they show that there is nothing.
 fn next_kept(line: Line, t_world: f32, t_leave: f32) -> Kept {
   var kept = Kept(t_world, t_world, 0u, 0u);
   loop {
-    kept = kept_from(line.ray, kept.end, t_leave);
-    if (!HAS_CLIPS || !SKIPS_BLOCKS || kept.begin >= kept.end || holds_something(line, kept)) { break; }
+    kept = kept_from(line.ray, line.at, kept.end, t_leave);
+    if (!HAS_CLIPS || !SKIPS_BLOCKS || FILLS || kept.begin >= kept.end || next_block(line, kept.begin, kept.end) < kept.end) { break; }
   }
   return kept;
-}
-
-fn holds_something(line: Line, kept: Kept) -> bool {
-  return leapt(way_from(line.index.origin, line.index.direction, kept.begin), kept.end).begin < kept.end;
 }
 
 // Take the meshes that let light pass up to a distance, from one number on; return the distance of the next, at which slabs end.

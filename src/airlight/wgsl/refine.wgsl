@@ -47,39 +47,60 @@ fn straight(bracket: vec4f, level: f32) -> f32 {
   return mix(bracket.x, bracket.z, saturate((level - bracket.y) / select(rise, 1.0, rise == 0.0)));
 }
 
-// The first root, cell by cell: four values of a cell tell its cubic.
+// The first root, at the end where rounding hides it.
 fn first_root(search: Search, near: vec2f, far: vec2f) -> f32 {
+  let rise = first_rise(search, near, far.x);
+  var piece = vec2f(rise.piece.x, select(1.0, rise.piece.y, rise.piece.y >= 0.0));
+  for (var i = 0u; i < 10u; i++) {
+    let middle = 0.5 * (piece.x + piece.y);
+    piece = select(vec2f(middle, piece.y), vec2f(piece.x, middle), cubic(rise.c, middle) >= 0.0);
+  }
+  let share = straight(vec4f(piece.x, cubic(rise.c, piece.x), piece.y, cubic(rise.c, piece.y)), 0.0);
+  return mix(rise.begin, rise.end, share);
+}
+
+// A place not behind `t_far` on the other side of the level than `near`, with the value there: where the field turns behind the
+// first root, or the end of its cell. A distance of INFINITE where all are on the same side.
+fn first_beyond(origin_index: vec3f, direction_index: vec3f, near: vec2f, t_far: f32, level: f32) -> vec2f {
+  let rise = first_rise(Search(origin_index, direction_index, level, near.y), near, t_far);
+  let side = select(1.0, -1.0, near.y >= level);
+  let value = level + side * cubic(rise.c, rise.piece.y);
+  let is_beyond = rise.piece.y >= 0.0 && (value >= level) != (near.y >= level);
+  return vec2f(select(INFINITE, mix(rise.begin, rise.end, rise.piece.y), is_beyond), value);
+}
+
+// Where the field first passes to the other side of the level, or the last cell: distances [world] at which the ray enters and
+// leaves the cell, the cubic there (negative on the side of the front), and its piece as of `rising_piece`.
+struct Rise { c: vec4f, piece: vec2f, begin: f32, end: f32 }
+
+// Cell by cell: four values tell the cubic of each.
+fn first_rise(search: Search, near: vec2f, t_far: f32) -> Rise {
   let origin = search.origin_index;
   let direction = search.direction_index;
   let forward = direction > vec3f(0.0);
   let along = abs(direction) < vec3f(1e-30);
   let p = origin + near.x * direction;
   var face = select(ceil(p) - 1.0, floor(p) + 1.0, forward);
-  let side = select(-1.0, 1.0, far.y >= search.level);
+  let side = select(1.0, -1.0, near.y >= search.level);
   var t = near.x;
   var y = side * (near.y - search.level);
   var c = vec4f(0.0);
   var piece = vec2f(0.0, 1.0);
-  var end = far.x;
+  var end = t_far;
   loop {
     let t_faces = select((face - origin) / direction, vec3f(INFINITE), along);
-    end = clamp(min(t_faces.x, min(t_faces.y, t_faces.z)), t, far.x);
+    end = clamp(min(t_faces.x, min(t_faces.y, t_faces.z)), t, t_far);
     face += select(vec3f(0.0), sign(direction), t_faces <= vec3f(end));
     let a = side * (scalar_along(search, mix(t, end, 1.0 / 3.0)) - search.level);
     let b = side * (scalar_along(search, mix(t, end, 2.0 / 3.0)) - search.level);
     let z = side * (scalar_along(search, end) - search.level);
     c = vec4f(y, -5.5 * y + 9.0 * a - 4.5 * b + z, 9.0 * y - 22.5 * a + 18.0 * b - 4.5 * z, 4.5 * (z - y) + 13.5 * (a - b));
     piece = rising_piece(c);
-    if (piece.y >= 0.0 || end >= far.x) { break; }
+    if (piece.y >= 0.0 || end >= t_far) { break; }
     t = end;
     y = z;
   }
-  piece.y = select(1.0, piece.y, piece.y >= 0.0);
-  for (var i = 0u; i < 10u; i++) {
-    let middle = 0.5 * (piece.x + piece.y);
-    piece = select(vec2f(middle, piece.y), vec2f(piece.x, middle), cubic(c, middle) >= 0.0);
-  }
-  return mix(t, end, straight(vec4f(piece.x, cubic(c, piece.x), piece.y, cubic(c, piece.y)), 0.0));
+  return Rise(c, piece, t, end);
 }
 
 fn cubic(c: vec4f, u: f32) -> f32 { return c.x + u * (c.y + u * (c.z + u * c.w)); }

@@ -1,24 +1,25 @@
 // A ray's way through the domain, and the samples on it: what the kinds of walks share. How a walk finds the next slab that
 // matters: `slot::walk`.
 
-import generated::driver::OFFSETS;
+import generated::driver::params;
 import generated::frame::frame;
 import generated::layer::layer;
-import generated::sizes::{SKIPS_EMPTY, SURFACES_ONLY, Values};
-import package::blocks::{Way, step_on};
+import generated::sizes::{BLOCK_VOXELS, SKIPS_EMPTY, SURFACES_ONLY, Values};
+import package::blocks::{Way, pace_of, past, step_on};
 import package::ray::{Ray, INFINITE};
 import package::sample::Sample;
 import slot::blocks::leap_of;
 import slot::field::{locate, field_value};
 import slot::integrate::surface;
+import slot::offsets::offset_of;
 import slot::region::hidden_at;
 import slot::transfer::empty_slab;
 
 // The same ray in index coordinates, still measured in world units.
 struct IndexRay { origin: vec3f, direction: vec3f }
 
-// A ray from where it enters the domain to where it leaves it, and the shift of its samples as a share of a step.
-struct Line { ray: Ray, index: IndexRay, enter: f32, leave: f32, offset: f32 }
+// A ray from where it enters the domain to where it leaves it, the shift of its samples as a share of a step, and its pixel's number.
+struct Line { ray: Ray, index: IndexRay, enter: f32, leave: f32, offset: f32, at: u32 }
 
 fn ray_in_index(ray: Ray) -> IndexRay {
   return IndexRay(
@@ -30,7 +31,8 @@ fn ray_in_index(ray: Ray) -> IndexRay {
 fn line_of(ray: Ray, pixel: vec2u) -> Line {
   let index = ray_in_index(ray);
   let span = domain_span(index);
-  return Line(ray, index, span.x, span.y, offset_of(pixel));
+  let at = (pixel.y - frame.band_first_row) * frame.size_px.x + pixel.x;
+  return Line(ray, index, span.x, span.y, fract(offset_of(pixel) + params.shift), at);
 }
 
 // What a sample is made of: few numbers are carried through loops.
@@ -78,6 +80,26 @@ fn leapt(start: Way, t_leave: f32) -> Way {
   return way;
 }
 
+// Where, from a distance on, a ray meets the first block in which there may be something to be seen.
+fn next_block(line: Line, t_world: f32, t_leave: f32) -> f32 {
+  let pace = pace_of(line.index.direction);
+  var t = t_world + pace.beyond;
+  loop {
+    let p = line.index.origin + t * line.index.direction;
+    let block = floor(p / f32(BLOCK_VOXELS));
+    let reach = leap_of(block);
+    if (reach == 0.0 || t >= t_leave) { break; }
+    t = past(pace, p, t, (block + 1.0 - reach) * f32(BLOCK_VOXELS), (block + reach) * f32(BLOCK_VOXELS));
+  }
+  return t - pace.beyond;
+}
+
+// The next distance at which a layer begins or ends, where slabs are cut; a single one does with its ray.
+fn border_behind(line: Line, t_world: f32) -> f32 { return line.leave; }
+
+// Whether a part of a ray that holds no such distance lies in a layer.
+fn holds_layer(line: Line) -> bool { return true; }
+
 // Where the ray enters and leaves the domain, not before the eye [world].
 fn domain_span(ray: IndexRay) -> vec2f {
   // A ray along a face has no direction across it: it is outside, or it is held by the other faces. One without a direction
@@ -91,13 +113,4 @@ fn domain_span(ray: IndexRay) -> vec2f {
   let near = min(a, b);
   let far = max(a, b);
   return vec2f(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
-}
-
-// Shift of the lattice of samples, as a share of a step: sixteen of them over squares of 4 x 4 pixels (Scharsach, section 5).
-fn offset_of(pixel: vec2u) -> f32 {
-  if (OFFSETS == 0u) { return 0.0; }
-  let fine = pixel & vec2u(1u);
-  let coarse = (pixel >> vec2u(1u)) & vec2u(1u);
-  let rank = 4u * (2u * (fine.x ^ fine.y) + fine.y) + 2u * (coarse.x ^ coarse.y) + coarse.y;
-  return f32(rank) / 16.0;
 }

@@ -10,7 +10,7 @@ fn eye_ray(p_px: vec2f) -> Ray {
 }
 
 // Where a point is seen, for rasterisers: depth falls from 1 at the near plane towards 0.
-fn clip_place(p_world: vec3f, near_world: f32, far_world: f32) -> vec4f {
+fn clip_place(p_world: vec3f, near_world: f32, far_world: f32, p_px: vec2f) -> vec4f {
   let way = p_world - params.eye;
   let right = params.right / dot(params.right, params.right);
   let up = params.up / dot(params.up, params.up);

@@ -1,18 +1,22 @@
 // Rays cut by clips. A clip answers with the piece of a ray that it keeps next; what all of them keep is drawn. Shapes are met in one
-// piece by any line. They tell themselves how many there are: Mesa 22.3 (lavapipe) makes a loop that ends by a uniform a constant one,
+// piece by any line, closed meshes in many: `slot::outlines`. They tell themselves how many there are: Mesa 22.3 (lavapipe) makes a loop that ends by a uniform a constant one,
 // compiles that anew for each dispatch, and keeps them all.
 
 import generated::clips::ClipRecord;
 import generated::pass::clips;
 import package::kept::Kept;
 import package::ray::{Ray, INFINITE};
+import slot::outlines::{outlined_from, is_outline, outline_normal, is_outline_capped};
 
 const HAS_CLIPS = true;
 const PLANE = 0u;
 const BOX = 1u;
+const MESH = 3u;
+const CUTS_VOLUME = 0u;  // what clips cut away: see `airlight.clips.Clip.cuts`
+const CUTS_FRONT = 1u;
 
 // The piece at a distance [world] or behind it that all clips keep; it does not begin before `t_leave` where there is none.
-fn kept_from(ray: Ray, t_world: f32, t_leave: f32) -> Kept {
+fn kept_from(ray: Ray, pixel: u32, t_world: f32, t_leave: f32) -> Kept {
   var kept = Kept(t_world, t_leave, 0u, 0u);
   // Go on to where a clip's piece begins, until all agree: a piece may begin where another clip keeps nothing.
   loop {
@@ -20,11 +24,15 @@ fn kept_from(ray: Ray, t_world: f32, t_leave: f32) -> Kept {
     kept.end = t_leave;
     kept.far = 0u;
     for (var i = 0u; i < clips[0].count; i++) {
-      let piece = piece_from(clips[i], ray, kept.begin);
-      kept.near = select(kept.near, i + 1u, piece.x > kept.begin);
-      kept.far = select(kept.far, i + 1u, piece.y < kept.end);
-      kept.begin = max(kept.begin, piece.x);
-      kept.end = min(kept.end, piece.y);
+      var piece: Kept;
+      if (clips[i].kind == MESH) { piece = outlined_from(clips[i].list, pixel, kept.begin); } else {
+        let span = piece_from(clips[i], ray, kept.begin);
+        piece = Kept(span.x, span.y, i + 1u, i + 1u);
+      }
+      kept.near = select(kept.near, piece.near, piece.begin > kept.begin);
+      kept.far = select(kept.far, piece.far, piece.end < kept.end);
+      kept.begin = max(kept.begin, piece.begin);
+      kept.end = min(kept.end, piece.end);
     }
     if (!(kept.begin > begin && kept.begin < t_leave)) { break; }
   }
@@ -33,10 +41,12 @@ fn kept_from(ray: Ray, t_world: f32, t_leave: f32) -> Kept {
 
 // Normal of a clip's surface, towards what is cut away.
 fn cut_normal(number: u32, p_world: vec3f) -> vec3f {
+  if (is_outline(number)) { return outline_normal(number); }
   let clip = clips[number - 1u];
   let unit = unit_of(clip, p_world);
   var away = unit;
-  if (clip.kind == PLANE) { away = vec3f(-1.0, 0.0, 0.0); }
+  // A mesh is asked where no clip cuts: it answers with something finite.
+  if (clip.kind == PLANE || clip.kind == MESH) { away = vec3f(-1.0, 0.0, 0.0); }
   if (clip.kind == BOX) {
     let size = abs(unit);
     away = select(vec3f(0.0), sign(unit), size >= vec3f(max(size.x, max(size.y, size.z))));
@@ -65,11 +75,14 @@ fn unit_of(clip: ClipRecord, p: vec3f) -> vec3f {
   return vec3f(dot(clip.x, point), dot(clip.y, point), dot(clip.z, point));
 }
 
-fn is_capped(number: u32) -> bool { return number > 0u && clips[max(number, 1u) - 1u].capped != 0u; }
+fn is_capped(number: u32) -> bool {
+  if (is_outline(number)) { return is_outline_capped(number); }
+  return number > 0u && clips[max(number, 1u) - 1u].capped != 0u;
+}
 
 // The next piece that one clip keeps: it begins at `t_world` or behind it.
 fn piece_from(clip: ClipRecord, ray: Ray, t_world: f32) -> vec2f {
-  let inside = inside_of(clip, ray);
+  let inside = reaching(clip, inside_of(clip, ray));
   let is_before = t_world < inside.x;
   let is_behind = t_world >= inside.y;
   if (clip.keeps_inside != 0u) {
@@ -77,6 +90,15 @@ fn piece_from(clip: ClipRecord, ray: Ray, t_world: f32) -> vec2f {
   }
   let begin = select(inside.y, t_world, is_before || is_behind || inside.x >= inside.y);
   return vec2f(begin, select(INFINITE, inside.x, is_before && inside.x < inside.y));
+}
+
+// What counts as inside of a clip that cuts in front or behind alone: all from where its shape begins, or up to where it ends.
+fn reaching(clip: ClipRecord, inside: vec2f) -> vec2f {
+  let keeps_inside = clip.keeps_inside != 0u;
+  let is_met = inside.x < inside.y && inside.y > 0.0;
+  let reach = select(vec2f(-INFINITE, inside.y), vec2f(inside.x, INFINITE), (clip.cuts == CUTS_FRONT) == keeps_inside);
+  let missed = select(vec2f(INFINITE, -INFINITE), vec2f(-INFINITE, INFINITE), keeps_inside);
+  return select(select(missed, reach, is_met), inside, clip.cuts == CUTS_VOLUME);
 }
 
 // Where the line of a ray enters and leaves a shape; it leaves first where it misses it.

@@ -39,4 +39,9 @@ fn primitive(w: f32) -> f32 {
   return 0.5 * held * held + max(w - 1.0, 0.0);
 }
 
+// Up to the function's first value nothing is shown nor attenuates.
+fn settled(acc: ptr<function, Accumulated>, bound: f32, t_world: f32) -> bool {
+  return (*acc).strongest.met && bound <= params.first;
+}
+
 fn finish(acc: Accumulated) -> Result { return show_strongest(acc.strongest); }

@@ -33,4 +33,9 @@ fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab
   return b_front - fall <= strongest.strength;
 }
 
+fn settled(acc: ptr<function, Accumulated>, bound: f32, t_world: f32) -> bool {
+  let most = saturate((bound - params.first) * params.per_value) * brightness_at(t_world);
+  return (*acc).strongest.met && most <= (*acc).strongest.strength;
+}
+
 fn finish(acc: Accumulated) -> Result { return show_strongest(acc.strongest); }

@@ -41,6 +41,9 @@ fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab
   return alpha >= params.opaque_at;
 }
 
+// What gets through to the eye.
+fn through(acc: Accumulated) -> f32 { return 1.0 - acc.alpha; }
+
 fn finish(acc: Accumulated) -> Result {
   // Thinned as the march has it; what is drawn of labels does not count, since functions with surfaces go with none.
   let thinned = acc.length * weight(acc.front, acc.back, acc.length);

@@ -3,6 +3,7 @@
 import package::ray::INFINITE;
 import package::sample::{Sample, Result};
 import slot::transfer::medium;
+import slot::values::scalar_of;
 
 struct Extreme { here: Sample, met: bool }
 
@@ -14,6 +15,11 @@ fn no_extreme() -> Extreme {
 fn keep(extreme: ptr<function, Extreme>, other: Sample, better: bool) {
   if (!(*extreme).met || better) { (*extreme) = Extreme(other, true); }
 }
+
+// Whether something has been found that no value up to a bound exceeds, or that none from a bound on falls short of.
+fn exceeds(extreme: Extreme, bound: f32) -> bool { return extreme.met && bound <= scalar_of(extreme.here.value); }
+
+fn falls_short(extreme: Extreme, bound: f32) -> bool { return extreme.met && bound >= scalar_of(extreme.here.value); }
 
 fn show(extreme: Extreme) -> Result {
   if (!extreme.met) { return Result(vec3f(0.0), 0.0, INFINITE); }

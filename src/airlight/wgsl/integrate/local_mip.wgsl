@@ -1,7 +1,7 @@
 // The first local maximum that reaches a threshold, else the greatest value.
 
 import generated::local_mip::params;
-import package::integrate::extreme::{Extreme, no_extreme, keep, show};
+import package::integrate::extreme::{Extreme, exceeds, no_extreme, keep, show};
 import package::sample::{Sample, Slab, Result};
 import slot::values::scalar_of;
 
@@ -22,6 +22,11 @@ fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab
   keep(&extreme, back, scalar_of(back.value) > greatest);
   (*acc).extreme = extreme;
   return false;
+}
+
+// Once the threshold is reached it matters where values fall.
+fn settled(acc: ptr<function, Accumulated>, bound: f32, t_world: f32) -> bool {
+  return exceeds((*acc).extreme, bound) && scalar_of((*acc).extreme.here.value) < params.threshold;
 }
 
 fn finish(acc: Accumulated) -> Result { return show(acc.extreme); }

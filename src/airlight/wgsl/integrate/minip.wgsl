@@ -1,6 +1,6 @@
 // Minimum intensity projection.
 
-import package::integrate::extreme::{Extreme, no_extreme, keep, show};
+import package::integrate::extreme::{Extreme, falls_short, no_extreme, keep, show};
 import package::sample::{Sample, Slab, Result};
 import slot::values::scalar_of;
 
@@ -15,5 +15,7 @@ fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab
   (*acc).extreme = extreme;
   return false;
 }
+
+fn settled(acc: ptr<function, Accumulated>, bound: f32, t_world: f32) -> bool { return falls_short((*acc).extreme, bound); }
 
 fn finish(acc: Accumulated) -> Result { return show(acc.extreme); }

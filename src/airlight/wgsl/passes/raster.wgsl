@@ -2,9 +2,13 @@
 
 import generated::mesh::params;
 import package::raster::{Corner, corner_of};
+import slot::seen::is_cut;
 
 @vertex
 fn at_corner(@location(0) p_mesh: vec3f, @builtin(vertex_index) number: u32) -> Corner { return corner_of(p_mesh, number); }
 
 @fragment
-fn nearest(at: Corner) -> @location(0) vec2u { return vec2u(at.triangle + 1u, params.number); }
+fn nearest(at: Corner) -> @location(0) vec2u {
+  if (is_cut(at)) { discard; }
+  return vec2u(at.triangle + 1u, params.number);
+}

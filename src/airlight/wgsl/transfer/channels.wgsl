@@ -21,3 +21,16 @@ fn is_empty_slab(front: Sample, back: Sample) -> bool {
   }
   return all(empty);
 }
+
+// Each channel's value stays on the stretch that it lies on: see `held.wgsl`.
+fn held_on_stretches(found: Values, moved: Values) -> Values {
+  var values = moved;
+  for (var group = 0u; group < GROUPS; group++) {
+    let one = (found[group] >= params.empty_low[group]) & (found[group] <= params.empty_high[group]);
+    let other = (found[group] >= params.other_empty_low[group]) & (found[group] <= params.other_empty_high[group]);
+    let low = select(select(vec4f(-3.4e38), params.empty_low[group], one), params.other_empty_low[group], other);
+    let high = select(select(vec4f(3.4e38), params.empty_high[group], one), params.other_empty_high[group], other);
+    values[group] = clamp(moved[group], low, high);
+  }
+  return values;
+}

@@ -4,13 +4,13 @@
 // Nothing is kept of a sample: of many channels it would be more than processors keep at hand (measured: 3 to 8 times slower).
 
 import generated::transfer::ASSOCIATED;
-import generated::sizes::HAS_EMPTY;
+import generated::sizes::{HAS_EMPTY, Values};
 import package::empty::is_empty;
 import package::optics::make_slab;
 import package::sample::{Sample, Medium, Slab};
 import package::transfer::axes::axis_of;
 import package::transfer::cells::{function_count, medium_on, source_of};
-import package::transfer::channels::{is_empty_slab, value_of};
+import package::transfer::channels::{held_on_stretches, is_empty_slab, value_of};
 import package::transfer::straight::mean_along;
 
 fn medium(here: Sample) -> Medium {
@@ -24,6 +24,8 @@ fn medium(here: Sample) -> Medium {
 }
 
 fn empty_slab(front: Sample, back: Sample) -> bool { return is_empty_slab(front, back); }
+
+fn held(found: Values, moved: Values) -> Values { return held_on_stretches(found, moved); }
 
 fn classify(front: Sample, back: Sample, length: f32) -> Slab {
   var sum = vec4f(0.0);

@@ -1,10 +1,12 @@
 // Each function integrated along the straight line between a slab's two values, by the regions in its middle: a slab is drawn as if
 // all it holds were spread evenly along it.
 
+import generated::sizes::Values;
 import package::optics::make_slab;
 import package::sample::{Sample, Medium, Slab};
 import package::transfer::axes::axis_of;
 import package::transfer::cells::function_count;
+import package::transfer::held::held_on_stretch;
 import package::transfer::regions::{is_empty_in_all, region_medium};
 import package::transfer::straight::mean_along;
 import slot::region::shares_at;
@@ -12,6 +14,8 @@ import slot::region::shares_at;
 fn medium(here: Sample) -> Medium { return region_medium(here); }
 
 fn empty_slab(front: Sample, back: Sample) -> bool { return is_empty_in_all(front.value, back.value); }
+
+fn held(found: Values, moved: Values) -> Values { return held_on_stretch(found, moved); }
 
 fn classify(front: Sample, back: Sample, length: f32) -> Slab {
   let shares = shares_at(mix(front.p_index, back.p_index, 0.5));

@@ -1,9 +1,11 @@
 // Surfaces of equal value in a medium that is drawn as in `preintegrated.wgsl`.
 
+import generated::sizes::Values;
 import package::optics::{over, placed};
 import package::sample::{Sample, Medium, Slab};
 import package::transfer::cells::Reached;
 import package::transfer::function::{function_at, is_empty_between, reach, reach_empty};
+import package::transfer::held::held_on_stretch;
 import package::transfer::iso_values::{number_of, reach_surface};
 import package::transfer::surfaces::{crossing_of, thickness_of};
 import package::transfer::surfaces_in_medium::{run_of, share_of_opacity};
@@ -19,6 +21,8 @@ fn know(here: Sample) -> Known { return Known(reach(here.value), number_of(here.
 fn know_empty(here: Sample) -> Known { return Known(reach_empty(here.value), number_of(here.value)); }
 
 fn empty_slab(front: Sample, back: Sample) -> bool { return is_empty_between(front.value, back.value); }
+
+fn held(found: Values, moved: Values) -> Values { return held_on_stretch(found, moved); }
 
 fn classify(front: Sample, back: Sample, length: f32) -> Slab {
   return classify_known(front, know(front), back, know(back), length);

@@ -1,9 +1,11 @@
 // Surfaces of equal value that the driver cuts out of slabs one by one, and the medium between them.
 
+import generated::sizes::Values;
 import generated::transfer::IN_MEDIUM;
 import package::sample::{Sample, Medium, Slab, Sheet};
 import package::transfer::cells::Reached;
 import package::transfer::function::{function_at, is_empty_between, reach, reach_empty};
+import package::transfer::held::held_on_stretch;
 import package::transfer::iso_values::{number_of, surface_value, side_of, reach_surface};
 import slot::piece::between;
 
@@ -16,6 +18,8 @@ fn know(here: Sample) -> Known { return reach(here.value); }
 fn know_empty(here: Sample) -> Known { return reach_empty(here.value); }
 
 fn empty_slab(front: Sample, back: Sample) -> bool { return is_empty_between(front.value, back.value); }
+
+fn held(found: Values, moved: Values) -> Values { return held_on_stretch(found, moved); }
 
 fn classify(front: Sample, back: Sample, length: f32) -> Slab {
   return classify_known(front, know(front), back, know(back), length);

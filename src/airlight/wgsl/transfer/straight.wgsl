@@ -17,7 +17,9 @@ fn mean_between(front: Reached, back: Reached, per_value: f32) -> vec4f {
 // Beyond its ends the function is constant: how much of a slab's length lies before, within and behind its axis.
 fn lengths_of(s_front: f32, front: Reached, s_back: f32, back: Reached, length: f32) -> vec3f {
   let per_value = select(0.0, length / abs(s_back - s_front), s_front != s_back);
-  let before = min(abs(front.value - s_front) * per_value, length);
+  // A slab of one value lies wholly on the axis, or wholly before it.
+  let is_outside = s_front == s_back && front.value != s_front;
+  let before = select(min(abs(front.value - s_front) * per_value, length), length, is_outside);
   let after = min(abs(s_back - back.value) * per_value, length - before);
   return vec3f(before, max(length - before - after, 0.0), after);
 }

@@ -1,8 +1,10 @@
 // Surfaces of equal value with nothing between them: a slab is told by the two numbers of its ends.
 
+import generated::sizes::Values;
 import package::optics::thicker;
 import package::sample::{Sample, Medium, Slab};
 import package::transfer::function::{function_at, is_empty_between};
+import package::transfer::held::held_on_stretch;
 import package::transfer::iso_values::number_of;
 import package::transfer::surfaces::{crossing_of, step_on, light_at, moment_at, crossed, thickness_of, thinned};
 import slot::values::scalar_of;
@@ -16,6 +18,8 @@ fn know(here: Sample) -> Known { return Known(number_of(here.value)); }
 fn know_empty(here: Sample) -> Known { return know(here); }
 
 fn empty_slab(front: Sample, back: Sample) -> bool { return is_empty_between(front.value, back.value); }
+
+fn held(found: Values, moved: Values) -> Values { return held_on_stretch(found, moved); }
 
 fn classify(front: Sample, back: Sample, length: f32) -> Slab {
   return classify_known(front, know(front), back, know(back), length);

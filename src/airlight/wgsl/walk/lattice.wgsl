@@ -1,15 +1,16 @@
 // Samples at equal distances from the eye.
 
-import generated::sizes::{CURVED, HAS_CROSSINGS, SKIPS_BLOCKS};
-import package::blocks::way_from;
+import generated::sizes::{ADAPTIVE, BLOCKS_KNOW_MORE, CURVED, HAS_CROSSINGS, SKIPS_BLOCKS};
 import package::curved::curved_value;
-import package::walk::{Ends, Fetched, Line, fetch, fetch_at, is_hidden, is_idle, last_before, leapt};
+import package::walk::{Ends, Fetched, Line, fetch, fetch_at, is_hidden, is_idle, last_before, next_block};
+import slot::integrate::{Accumulated, through};
 import slot::values::is_gap;
 
 // The slab that a ray is at, and the number of the sample behind it. `idled` and `hid`: slabs without effect were passed over,
 // the last of them empty or hidden, so that its front is no back of a slab that was drawn.
 // `before` and `ahead`, where values are put right for curvature: the last sample as it was, and the one ahead; `found` is the
-// front as it was. `lands`: so many samples to come make a front anew, behind a leap from the sample with the number `left`.
+// front as it was. `leaps`: the block is to be looked at; `looked`: so many slabs ago it was. `lands`: so many samples to come make
+// a front anew, behind a leap from the sample with the number `left`.
 struct Walk {
   front: Fetched,
   next: Fetched,
@@ -21,12 +22,16 @@ struct Walk {
   idled: bool,
   hid: bool,
   leaps: bool,
+  looked: u32,
   lands: u32,
   left: f32,
+  pace: f32,
 }
 
 // So many slabs without effect are passed one by one between looks at blocks.
 const RUN = 4u;
+// Slabs are so many steps long at most.
+const LONGEST = 8.0;
 // So many samples make a front anew.
 const LANDING = select(1u, 3u, CURVED);
 const NOWHERE = -3.4e38;
@@ -38,15 +43,17 @@ fn begin_walk(line: Line) -> Walk {
   walk.samples = 1.0;
   walk.leaps = SKIPS_BLOCKS;
   walk.before = walk.front;
+  walk.pace = 1.0;
   if (CURVED) { walk.ahead = fetch_at(line, walk.k); }
   return walk;
 }
 
 // On to the next slab that matters, or the last one. A loop of its own: wide processors run the rest for all rays at once.
-fn walk_on(walk: ptr<function, Walk>, line: Line) {
+fn walk_on(walk: ptr<function, Walk>, line: Line, acc: ptr<function, Accumulated>) {
   var w = *walk;
   w.idled = false;
   w.hid = false;
+  if (ADAPTIVE) { w.pace = pace_at(through(*acc)); }
   loop {
     if (SKIPS_BLOCKS && w.leaps && leap(&w, line)) { break; }
     var idle = false;
@@ -69,12 +76,20 @@ fn walk_on(walk: ptr<function, Walk>, line: Line) {
     }
     if (w.next.t_world >= line.leave) { break; }
     w.leaps = SKIPS_BLOCKS && idle;
-    if (w.leaps) { continue; }
+    if (BLOCKS_KNOW_MORE && !idle) { look_again(&w, run + 1u); }
+    if (idle && SKIPS_BLOCKS) { continue; }
     if (!is_hidden(line, w.front, w.next)) { break; }
     w.front = w.next;
     w.hid = true;
   }
   *walk = w;
+}
+
+// Where slabs do not tell that a block is empty it is looked at once in a while.
+fn look_again(walk: ptr<function, Walk>, slabs: u32) {
+  (*walk).looked += slabs;
+  (*walk).leaps = (*walk).looked >= RUN;
+  if ((*walk).leaps) { (*walk).looked = 0u; }
 }
 
 // The ends of the slab with the values that the field has there.
@@ -83,12 +98,24 @@ fn ends_of(walk: Walk) -> Ends {
   return Ends(walk.front, walk.next);
 }
 
+// The number of the sample behind the next one.
+fn behind(walk: Walk) -> f32 {
+  if (!ADAPTIVE) { return walk.k + 1.0; }
+  return walk.pace * (floor(walk.k / walk.pace) + 1.0);
+}
+
+// Length of slabs in steps, a power of two: what a slab is off by grows as the square of its length, and falls with what gets
+// through to it.
+fn pace_at(through: f32) -> f32 {
+  return select(1.0, 2.0, through <= 0.25) * select(1.0, 2.0, through <= 0.0625) * select(1.0, 2.0, through <= 0.015625);
+}
+
 // The sample behind the front.
 fn step(walk: ptr<function, Walk>, line: Line) {
   var next: Fetched;
   if (CURVED) {
     next = (*walk).ahead;
-    (*walk).ahead = fetch_at(line, (*walk).k + 1.0);
+    (*walk).ahead = fetch_at(line, behind(*walk));
     let value = curved_value((*walk).before, next, (*walk).ahead);
     (*walk).found = (*walk).before;
     (*walk).before = next;
@@ -97,37 +124,42 @@ fn step(walk: ptr<function, Walk>, line: Line) {
     next = fetch_at(line, (*walk).k);
   }
   (*walk).next = next;
-  (*walk).k += 1.0;
+  (*walk).k = behind(*walk);
   (*walk).samples += 1.0;
 }
 
 // Over blocks in which nothing is, to the last sample before the others; whether there are none.
 fn leap(walk: ptr<function, Walk>, line: Line) -> bool {
-  let way = leapt(way_from(line.index.origin, line.index.direction, (*walk).front.t_world), line.leave);
+  let begin = next_block(line, (*walk).front.t_world, line.leave);
   (*walk).leaps = false;
-  let k = last_before(line, way.begin);
+  let k = (*walk).pace * floor(last_before(line, begin) / (*walk).pace);
   if (k >= (*walk).k) {
-    (*walk).left = (*walk).k - 1.0;
-    (*walk).k = k - f32(LANDING - 1u);
+    (*walk).left = (*walk).pace * (ceil((*walk).k / (*walk).pace) - 1.0);
+    (*walk).k = k - (*walk).pace * f32(LANDING - 1u);
     (*walk).lands = LANDING;
   }
-  if (way.begin >= line.leave) {
+  if (begin >= line.leave) {
+    // A last slab without length, since its front may hold something that is hidden.
+    (*walk).front.t_world = line.leave;
     (*walk).next = (*walk).front;
-    (*walk).next.t_world = line.leave;
   }
-  return way.begin >= line.leave;
+  return begin >= line.leave;
 }
 
 // One of the samples of a landing. Rounding and curvature may move the last one off the values at which nothing is, or on to others
-// of the kind: then back to where the leap began, and on step by step.
+// of the kind: then back to where the leap began, and on step by step. Where blocks know more than samples it is taken as it is.
 fn land(walk: ptr<function, Walk>, line: Line) {
   (*walk).lands -= 1u;
   if ((*walk).lands > 0u || (*walk).left == NOWHERE) { return; }
+  if (BLOCKS_KNOW_MORE) {
+    (*walk).hid = true;
+    return;
+  }
   let front = (*walk).front;
   var as_found = front;
   if (CURVED) { as_found = (*walk).before; }
   if (!is_idle(line, as_found, front) && !is_gap(front.value)) {
-    (*walk).k = (*walk).left - f32(LANDING - 1u);
+    (*walk).k = (*walk).left - (*walk).pace * f32(LANDING - 1u);
     (*walk).lands = LANDING;
     (*walk).left = NOWHERE;
   }

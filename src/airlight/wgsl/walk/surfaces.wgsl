@@ -4,6 +4,7 @@ import generated::frame::frame;
 import package::blocks::{Way, way_from, step_on};
 import package::walk::{Ends, Fetched, Line, fetch, is_idle, last_before, leapt};
 import slot::blocks::leap_of;
+import slot::integrate::Accumulated;
 
 // Into so many pieces the way through a block is cut: less than a voxel long in the mean.
 const PIECES = 3.0;
@@ -23,7 +24,7 @@ fn begin_walk(line: Line) -> Walk {
 }
 
 // On to the next slab with a surface, or the last one.
-fn walk_on(walk: ptr<function, Walk>, line: Line) {
+fn walk_on(walk: ptr<function, Walk>, line: Line, acc: ptr<function, Accumulated>) {
   var w = *walk;
   loop {
     if (leap_of(w.way.block) > 0.0) {

@@ -1,0 +1,183 @@
+"""Several layers along the same rays: each classifies and lights its own slab, and those in one place are mixed evenly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import fields, replace
+from itertools import pairwise
+
+import numpy as np
+
+from ..stage import make_stage
+from ..stages.driver import gains_from_curvature
+from ..volume import FloatArray
+from .clips import Faces, Piece, caps, lit_behind, lit_faces, pieces
+from .covers import Covers, over, parts_of, put_before
+from .field import field_value
+from .integrate import INTEGRATES, Accumulated
+from .march import bent, march, span
+from .setup import BoolArray, IntArray, Sample, Sent, Setup, Slab, dark, made_slab
+from .shade import LIGHTINGS
+
+MOST_ALPHA = 1 - 1e-7
+OPAQUE_DEPTH = 1e4
+"""Depth of slabs that are all but opaque, from ``MOST_ALPHA`` on: that of a surface, beside which nothing shows."""
+
+
+@np.errstate(under="ignore", divide="ignore")  # rays that miss a layer are held at the eye, where pixels have no width
+def march_layers(
+    setups: Sequence[Setup],
+    origin: FloatArray,
+    direction: FloatArray,
+    step_world: float,
+    fraction: FloatArray | float = 0.0,
+    curved: bool = True,
+    covers: Covers | None = None,
+    refine: str = "bisection",
+) -> Accumulated:
+    """Integrate rays (n, 3) through layers that overlap in any way.
+
+    Of surfaces that end rays the nearest is seen.
+
+    All are sampled at distances ``(k + fraction) * step_world``, and where one of them begins or ends: there slabs are cut.
+    """
+    if INTEGRATES[setups[0].stages["integrate"].name].has_surface:
+        found = [march(s, origin, direction, step_world, fraction, curved, refine, False, covers) for s in setups]
+        return _nearest(found)
+    plain = {**setups[0].stages, "transfer": make_stage("transfer", "postclassified")}
+    integrate = INTEGRATES[setups[0].stages["integrate"].name](replace(setups[0], stages=plain))
+    acc = integrate.begin(len(origin))
+    shift = np.broadcast_to(np.asarray(fraction, dtype=np.float64), len(origin))
+    curved &= all(gains_from_curvature(setup.stages) for setup in setups)
+    ended = np.zeros(len(origin), dtype=bool)
+    ordered = covers is not None and getattr(setups[0].stages["integrate"], "takes_covers", False)
+    taken_covers = np.zeros((0, 0) if covers is None else covers.t_world.shape, dtype=bool)
+    spans = [span(setup, origin, direction) for setup in setups]
+    spans = [(np.where(leave > enter, enter, 0.0), np.where(leave > enter, leave, 0.0)) for enter, leave in spans]
+
+    def sample(number: int, rays: IntArray, t_world: FloatArray) -> Sample:
+        """Samples of a layer, of which rays see the part between where they enter and leave it."""
+        enter, leave = spans[number]
+        t_held = np.clip(t_world, enter[rays], leave[rays])
+        p_world = origin[rays] + t_held[:, None] * direction[rays]
+        p_index = setups[number].index_of(p_world)
+        return Sample(*field_value(setups[number], p_index), p_index, p_world, t_held)
+
+    def cap(rays: IntArray, t_world: FloatArray, numbers: IntArray) -> None:
+        """Take the solid faces of a cut: their mean, where several layers are solid."""
+        rgb, count = np.zeros((len(origin), 3)), np.zeros(len(origin))
+        for number, setup in enumerate(setups):
+            here = sample(number, rays, t_world)
+            rows, slab = caps(setup, here, np.where(here.t_world == t_world, numbers, -1), -direction[rays])
+            rgb[rays[rows]] += slab.rgb
+            count[rays[rows]] += 1
+        rows = rays[count[rays] > 0]
+        rgb = rgb[rows] / count[rows, None]
+        at = replace(sample(0, rows, np.zeros(len(rows))), t_world=t_world[count[rays] > 0])
+        ended[rows] |= integrate.take(
+            acc, rows, Slab(rgb, np.ones(len(rows)), rgb / 2, np.ones(len(rows)) / 2, at, at, 0 * at.t_world)
+        )
+
+    # Go from the first layer to the last, piece by piece as clips keep them, from border to border of the layers.
+    met = [leave > enter for enter, leave in spans]
+    t_enter = np.min([np.where(m, enter, np.inf) for m, (enter, _) in zip(met, spans, strict=True)], axis=0)
+    t_enter = np.where(np.isfinite(t_enter), t_enter, 0.0)
+    t_leave = np.max([leave for _, leave in spans], axis=0)
+    if covers is not None:
+        t_leave = np.minimum(t_leave, covers.opaque_at)
+    for piece, part in parts_of(covers if ordered else None, pieces(setups[0].clips, origin, direction, t_enter, t_leave)):
+        if covers is not None and ordered:
+            put_before(covers, taken_covers, acc, part.begin, (part.end > part.begin) & ~ended)
+        rays = np.nonzero((part.end > part.begin) & ~ended)[0]
+        cap(rays, part.begin[rays], part.near[rays])
+        faces = _faces(setups, sample, piece, direction)
+        for begin, end in _between_borders(spans, part):
+            rays = np.nonzero((end > begin) & ~ended)[0]
+            t_front = begin[rays]
+            fronts = befores = [sample(number, rays, t_front) for number in range(len(setups))]
+            k = np.floor(begin / step_world - shift) + 1
+            while rays.size:
+                t_back = np.minimum((k[rays] + shift[rays]) * step_world, end[rays])
+                k[rays] += 1
+                heres = backs = [sample(number, rays, t_back) for number in range(len(setups))]
+                if curved:
+                    t_ahead = np.minimum((k[rays] + shift[rays]) * step_world, end[rays])
+                    aheads = [sample(number, rays, t_ahead) for number in range(len(setups))]
+                    backs = [bent(*four) for four in zip(setups, befores, heres, aheads, strict=True)]
+                # Mix the slabs of all layers.
+                source, depth = np.zeros((len(rays), 3)), np.zeros(len(rays))
+                for setup, front, back, face in zip(setups, fronts, backs, faces, strict=True):
+                    rows, slab = _lit_slab(setup, front, back, face[rays], -direction[rays])
+                    per_alpha = _depth_per_alpha(slab.alpha)
+                    source[rows] += slab.rgb * per_alpha[:, None]
+                    depth[rows] += slab.alpha * per_alpha
+                # Add what they send to their rays.
+                mixed = _even(source, depth)
+                ends = (replace(fronts[0], t_world=t_front), replace(backs[0], t_world=t_back))
+                stopped = integrate.take(acc, rays, made_slab(mixed, *ends, t_back - t_front))
+                ended[rays] |= stopped
+                going = ~stopped & (t_back < end[rays])
+                rays, t_front = rays[going], t_back[going]
+                fronts, befores = [back[going] for back in backs], [here[going] for here in heres]
+        rays = np.nonzero((part.end > part.begin) & ~ended)[0]
+        cap(rays, part.end[rays], part.far[rays])
+    if covers is None or not ordered:
+        return integrate.finish(acc) if covers is None else over(covers, integrate.finish(acc), False)
+    put_before(covers, taken_covers, acc, np.full(len(origin), np.inf), np.ones(len(origin), dtype=bool))
+    return integrate.finish(acc)
+
+
+def _nearest(found: Sequence[Accumulated]) -> Accumulated:
+    """What lies nearest to the eye of what was found in each layer."""
+    first = np.argmin([acc.t_world for acc in found], axis=0)
+    rays = np.arange(len(first))
+    parts = {field.name: np.stack([getattr(acc, field.name) for acc in found])[first, rays] for field in fields(found[0])}
+    return Accumulated(**parts)
+
+
+def _between_borders(spans: list[tuple[FloatArray, FloatArray]], part: Piece) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Parts of rays between the distances (n,) at which layers begin and end; ``end <= begin`` is none."""
+    low, high = part.begin, np.maximum(part.begin, part.end)
+    stops = np.sort([low, high, *(np.clip(t, low, high) for ends in spans for t in ends)], axis=0)
+    yield from pairwise(stops)
+
+
+def _faces(setups: Sequence[Setup], sample: object, piece: Piece, direction: FloatArray) -> list[Faces]:
+    """How the cut at which a piece begins is lit in each layer that it goes through."""
+    rays = np.arange(len(direction))
+    found = []
+    for number, setup in enumerate(setups):
+        cut = sample(number, rays, piece.begin)  # type: ignore[operator]
+        faces = lit_faces(setup, cut, np.where(cut.t_world == piece.begin, piece.near, -1), -direction)
+        found.append(replace(faces, t_world=piece.begin))
+    return found
+
+
+def _lit_slab(setup: Setup, front: Sample, back: Sample, faces: Faces, to_eye: FloatArray) -> tuple[IntArray, Slab]:
+    """Slabs of one layer, lit by itself, where they have a length and hold something, and the numbers of their rays."""
+    length = (back.t_world - front.t_world) * np.where(front.empty | back.empty, 0.5, 1.0)
+    a, b = front.where_empty_take(back), back.where_empty_take(front)
+    taken: BoolArray = ~a.empty & (length > 0)
+    rows = np.nonzero(taken)[0]
+    a, b, length = a[taken], b[taken], length[taken]
+    sent = INTEGRATES["emission_absorption"](setup).classify(a, b, length) if rows.size else dark(0)
+    slab = made_slab(sent, a, b, length)
+    if rows.size:
+        rgb = LIGHTINGS[setup.stages["lighting"].name](setup, slab, to_eye[rows])
+        slab = replace(slab, rgb=lit_behind(setup, faces[rows], slab, rgb))
+    return rows, slab
+
+
+def _depth_per_alpha(alpha: FloatArray) -> FloatArray:
+    """By how much the depths (n,) of slabs exceed their opacities."""
+    thin, opaque = alpha <= 0, alpha >= MOST_ALPHA
+    inner = np.where(thin | opaque, 0.5, alpha)
+    return np.where(opaque, OPAQUE_DEPTH, np.where(thin, 1.0, -np.log1p(-inner) / inner))
+
+
+def _even(source: FloatArray, depth: FloatArray) -> Sent:
+    """What slabs send whose light, as if nothing were attenuated, is spread as evenly as their depth."""
+    some = depth > 0
+    alpha = -np.expm1(-depth)
+    rgb = source * np.where(some, alpha / np.where(some, depth, 1.0), 1.0)[:, None]
+    return Sent(rgb, alpha, rgb / 2, alpha / 2)

@@ -1,0 +1,97 @@
+"""Several layers in one march: which are drawn, and what they must have in common."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..errors import LimitError, StageError
+from ..scene import Layer, Scene
+from ..shader.program import Program
+
+if TYPE_CHECKING:
+    from .march import MarchFrame
+
+MOST_LAYERS = 8
+SHARED = ("integrate", "tone", "visibility")
+TEXTURES = ("table", "layers", "grid", "loaded_grid", "gradients", "labels", "openness")
+
+
+def drawn_layers(scene: Scene) -> tuple[Layer, ...]:
+    """Visible layers that may be seen: of several, those without density are left out.
+
+    Raises
+    ------
+    LimitError
+        When there are more than one march takes, or clips cut some of them alone.
+    StageError
+        When they ask for different stages where a ray has one.
+    """
+    visible = scene.visible_layers
+    if len(visible) == 1:
+        return visible
+    seen = tuple(layer for layer in visible if layer.density > 0) or visible[:1]
+    if len(seen) > MOST_LAYERS:
+        raise LimitError("scene.layers", f"has {len(seen)} visible layers, one march takes {MOST_LAYERS}", "hide the others")
+    for number, layer in enumerate(scene.layers):
+        if layer not in seen[1:] or len(seen) == 1:
+            continue
+        for slot in SHARED:
+            mine, first = getattr(layer.look, slot), getattr(seen[0].look, slot)
+            if mine != first:
+                found = f"is {mine.name} {mine}" if mine.name == first.name else f"is {mine.name}, that of another {first.name}"
+                raise StageError(f"scene.layers[{number}].look.{slot}", f"{found}; a ray has one", "give all layers the same")
+        if layer.clips != seen[0].clips:
+            raise LimitError(
+                f"scene.layers[{number}].clips", "cut this layer and not the others, which is not there yet", "use scene.clips"
+            )
+    return seen
+
+
+def check_layers(frame: MarchFrame) -> None:
+    """Refuse stages that cannot look at several layers.
+
+    Raises
+    ------
+    StageError
+        For what shows one value of a ray, and for light that is dimmed by one volume.
+    LimitError
+        When surfaces are to be kept.
+    """
+    if len(frame.layers) == 1:
+        return
+    integrate, visibility = frame.scene_stages["integrate"], frame.scene_stages["visibility"]
+    if getattr(integrate, "uses_values", True) and not getattr(integrate, "surfaces_only", False):
+        what = f"looks at one volume, and {len(frame.layers)} layers are visible"
+        raise StageError(f"look.integrate {integrate.name!r}", what, "use emission_absorption or first_hit, or hide the others")
+    if visibility.name != "none":
+        what = f"dims light by one volume, and {len(frame.layers)} layers are visible"
+        raise StageError(f"look.visibility {visibility.name!r}", what, "use none, or hide the others")
+    if frame.keeps_hits:
+        raise LimitError("keep_hits", f"keeps surfaces of one layer, and {len(frame.layers)} are visible", "hide the others")
+
+
+def layer_statistics(frame: MarchFrame) -> dict[str, Any]:
+    """What ``image.stats`` says of several layers: how many are drawn, and how exactly surfaces are looked for."""
+    if len(frame.layers) == 1:
+        return {}
+    surfaces = bool(getattr(frame.scene_stages["integrate"], "surfaces_only", False))
+    way = "at samples, sharpened" if surfaces else "by straight lines between samples"
+    return {"several": {"layers": len(frame.layers), "slabs": "mixed evenly", "surfaces": way}}
+
+
+def check_textures(frame: MarchFrame, program: Program) -> None:
+    """Refuse more textures than a device gives to one program.
+
+    Raises
+    ------
+    LimitError
+        When several layers need more.
+    """
+    most = frame.device.limits["max-sampled-textures-per-shader-stage"]
+    count = sum(binding.kind in TEXTURES for binding in program.bindings)
+    if count > most and len(frame.layers) > 1:
+        raise LimitError(
+            "scene.layers",
+            f"are {len(frame.layers)} with {count} textures, and {frame.device.info.name} takes {most}",
+            "hide some, or use skip='none' and transfer='postclassified', which take fewer",
+        )
