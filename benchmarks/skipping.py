@@ -11,6 +11,7 @@ caster (steps of a voxel to the hit, no blocks, no sharper hits), by blocks alon
 from __future__ import annotations
 
 import sys
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -190,7 +191,7 @@ def leaps_of(device: Device, frame: MarchFrame) -> npt.NDArray[np.uint8]:
     """Leaps from blocks (z, y, x), as the device has them."""
     asked = frame.layers[0].resources["field"]["leaps"]
     shape = tuple(ranges.block_count(n) for n in reversed(frame.layers[0].context.volume.size))
-    return blocks.leaps(blocks.occupied(asked.empty, blocks.known_blocks(device), shape))
+    return blocks.leaps(blocks.occupied(asked.empty, partial(blocks.known_ranges, device), shape))
 
 
 def look_ups(distance: Any, origin: Any, direction: Any, begin: Any, end: Any) -> npt.NDArray[np.int64]:
@@ -248,7 +249,7 @@ def block_costs(device: Device, voxels: int, options: Any) -> dict[str, Any]:
     volume = al.Volume(np.concatenate([samples // 8, samples]))
     del samples
     asked = BlockRanges(Grid(volume, (0,), 0, True))
-    known = blocks.known_blocks(device)(asked)
+    known = blocks.known_ranges(device, asked)
     empty = (tuple(Within(asked, low, high) for low, high in ((-np.inf, 600.0), (4000.0, 5000.0))),)
     jobs = {
         "ranges": lambda: ranges.block_ranges(volume.array),

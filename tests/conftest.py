@@ -55,22 +55,17 @@ def renderer():
 @pytest.fixture(scope="session")
 def core_renderer():
     """Renderer on a device with core WebGPU's limits and no optional feature."""
-    before = os.environ.get("AIRLIGHT_CORE")
-    os.environ["AIRLIGHT_CORE"] = "1"
-    try:
-        with al.Renderer(keep_bytes=KEEP_BYTES) as made:
-            made.warm_up()
-            made._thread.submit(lambda job: None).result()
-            _restore(before)
-            yield made
-    finally:
-        _restore(before)
+    with al.Renderer(keep_bytes=KEEP_BYTES) as made:
+        opened = made._open
 
+        def open_core() -> Device:
+            # The first time, and after a device was lost.
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setenv("AIRLIGHT_CORE", "1")
+                return opened()
 
-def _restore(core: str | None) -> None:
-    os.environ.pop("AIRLIGHT_CORE", None)
-    if core is not None:
-        os.environ["AIRLIGHT_CORE"] = core
+        made._open = lambda: made._device or open_core()
+        yield made
 
 
 @pytest.fixture(params=["full", "core"])

@@ -137,8 +137,14 @@ def test_a_point_is_placed_where_its_ray_begins(camera, size_px, share):
     assert depth == pytest.approx(way @ camera.basis()[2])
 
 
-def test_points_behind_the_eye_have_no_place():
-    camera = al.Camera.perspective(eye=(0, 0, 0), target=(0, 1, 0))
+@pytest.mark.parametrize(
+    "camera",
+    [
+        al.Camera.perspective(eye=(0, 0, 0), target=(0, 1, 0)),
+        al.Camera.orthographic(eye=(0, 0, 0), target=(0, 1, 0), height=9),
+    ],
+)
+def test_points_behind_the_eye_have_no_place(camera):
     assert np.isnan(view(camera).placed(np.array([0.0, -1.0, 0.0]))[0, :2]).all()
     drawn = al.Pointer((0, -1, 0)).drawn(view(camera), Room())
     assert not drawn.shapes
@@ -357,6 +363,7 @@ JOINT = al.JointFunction(
     [
         (al.ColorBar(layer=1), {}, "color_bar.layer is 1, and 1 layers are visible"),
         (al.ColorBar(), {"layers": (Shown(()),)}, "layer 0 shows labels"),
+        (al.ColorBar(), {"layers": (Shown((), instead="distance"),)}, "layer 0 shows distance: leave it out"),
         (al.ColorBar(), {"layers": (Shown((("", JOINT),)),)}, "layer 0 has a JointFunction"),
         (al.Grid(step=0.09), {}, "grid.step is 0.09, and the longest edge is 100: at most 1000 lines are drawn along it"),
         (al.Orientation(), {"anatomical": False}, "orientation is that of anatomical data"),

@@ -320,8 +320,14 @@ class Scene:
 
     @property
     def visible_layers(self) -> tuple[Layer, ...]:
-        """Layers that are drawn."""
+        """Layers that are not hidden."""
         return tuple(layer for layer in self.layers if layer.visible)
+
+    @property
+    def drawn_layers(self) -> tuple[Layer, ...]:
+        """Visible layers that may be seen: of several, those without density are left out."""
+        visible = self.visible_layers
+        return tuple(layer for layer in visible if layer.density > 0) or visible[:1]
 
     def clips_of(self, layer: Layer) -> tuple[Clip, ...]:
         """Clips that cut a layer: the scene's, then its own."""

@@ -40,9 +40,14 @@ def test_options(volume_file: str, drawn: Drawn, tmp_path: Path) -> None:
         ("1,2", "--pointer is '1,2', must be 3 numbers"),
         ("1,2,3:shape=ring", "--pointer.shape is 'ring'"),
         ("1,2,3:size=4", "--pointer.size is no parameter of pointer"),
+        ("1,2,3:kind=grid", "--pointer.kind is told already"),
         ("1,2,3:color", "--pointer has 'color', must be PARAMETER=VALUE"),
     ],
 )
 def test_slips(text: str, message: str) -> None:
     with pytest.raises(ValueRangeError, match=message):
         parse_pointer(text)
+
+
+def test_labels_may_be_numbers() -> None:
+    assert parse_pointer("1,2,3:label=7") == al.Pointer((1, 2, 3), label="7")

@@ -27,6 +27,12 @@ def test_layers_have_functions_of_their_own_and_the_look_of_the_first(volume_fil
     assert first.look == second.look == third.look
 
 
+def test_a_scene_of_meshes_takes_layers(volume_file: str, drawn: Drawn, tmp_path: Path) -> None:
+    al.save_scene(al.Scene(meshes=[al.Lines.axes()], camera="iso"), tmp_path / "meshes.toml")
+    assert render(str(tmp_path / "meshes.toml"), tmp_path, "--layer", volume_file) == 0
+    assert [layer.look for layer in drawn[0][0].layers] == [al.Look()]
+
+
 @pytest.mark.parametrize(
     ("option", "told"),
     [

@@ -56,3 +56,6 @@ def test_the_disagreement_of_offsets_is_written(tmp_path, volume_file, capsys):
     for others in ([], ["--offsets", "blue_noise"]):
         assert cli.main([*words, *others, "--disagreement", str(tmp_path / "d.npy")]) == 2
         assert "--offsets interleaved" in capsys.readouterr().err
+    stepping = [*words[:6], "--offsets", "interleaved", "--tolerance", "0.01"]
+    assert cli.main([*stepping, "--disagreement", str(tmp_path / "d.npy")]) == 2
+    assert "--tolerance chooses several" in capsys.readouterr().err

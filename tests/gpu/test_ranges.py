@@ -57,7 +57,7 @@ def test_few_bytes(device):
     """Ranges keep the type of the samples; with leaps they are at most a twentieth of the volume."""
     volume = al.Volume(np.zeros((65, 65, 65), np.uint16))
     asked = BlockRanges(Grid(volume, (0,), 0, True))
-    found = blocks.known_blocks(device)(asked)
+    found = blocks.known_ranges(device, asked)
     assert found.least.dtype == np.uint16
     made = blocks.make_leaps(device, blocks.occupied(((Within(asked, -np.inf, 5.0),),), lambda _: found, found.least.shape))
     assert found.bytes + made.bytes <= 0.05 * volume.array.nbytes

@@ -144,6 +144,24 @@ def test_light_changes_under_annotations(volume):
     assert again.scene == lamp
 
 
+def test_pictures_drawn_smaller_have_annotations_of_their_whole_size(volume):
+    scene = scene_of(volume, al.ScaleBar(), al.Grid(), al.Pointer((7, 2, 12), size_px=12, label="here"))
+    whole, in_time = al.render(scene, SIZE), al.render(scene, SIZE, budget_ms=1e-3)
+    with al.Renderer() as renderer:
+        first = next(iter(renderer.refine(scene, SIZE)))
+    assert in_time.stats["budget"]["scale"] < 1
+    for image in (in_time, first):
+        assert image.scene == scene
+        assert image.marks == whole.marks
+        assert image.stats["annotations"] == whole.stats["annotations"]
+
+
+def test_colours_of_something_else_have_no_bar(volume):
+    look = al.Look(integrate=al.integrate.FirstHit(iso=300, colour_by="distance"))
+    with pytest.raises(DataError, match="color_bar shows values, and layer 0 shows distance"):
+        al.render(scene_of(volume, al.ColorBar(), look=look), SIZE)
+
+
 def test_cameras_of_two_eyes_take_none(volume):
     camera = al.Camera.stereo(eye=(7, -40, 7), target=(7, 7, 7))
     with pytest.raises(StageError, match="annotation 'scale_bar' does not go with the camera stereo: use perspective or ortho"):

@@ -71,7 +71,9 @@ def test_pieces_and_faces(any_renderer, kind, camera):
         assert image.stats["clips"]["cutting"] == len(CLIPS[kind])
 
 
-@pytest.mark.parametrize("integrate", ["mip", "minip", "mean", "xray", "weighted_sum", "local_mip", "depth_shaded_mip"])
+@pytest.mark.parametrize(
+    "integrate", ["mip", "minip", "mean", "xray", "weighted_sum", "local_mip", "depth_shaded_mip", "attenuated_mip"]
+)
 def test_what_is_gathered(renderer, integrate):
     compare(renderer, clipped(CLIPS["several"], integrate=integrate))
 

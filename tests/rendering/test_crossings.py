@@ -142,7 +142,7 @@ def test_skipping_changes_nothing(renderer):
 
 def test_what_is_drawn_is_told(renderer):
     """Tables of runs have no part in it, and what they cost is no error of it."""
-    many = function().with_surfaces([Surface(v / 4, "white", 0.02) for v in range(300)])
+    many = function().with_surfaces([Surface(float(v), "white", 0.08) for v in range(75)])
     image = renderer.render(with_function(many), SIZE)
     layer = image.stats["layers"][0]
     assert layer["stages"]["transfer"] == "preintegrated_sharp_surfaces"

@@ -13,6 +13,7 @@ from scenes import SIZE, blobs, cameras, function, rotation, scene
 import airlight as al
 from airlight import reference
 from airlight.app import cli
+from airlight.environment.maps import light_maps
 from airlight.scene_file import load_scene, save_scene
 
 LEVEL = 1 / 255
@@ -146,7 +147,8 @@ def test_a_turn_makes_no_maps_and_links_no_program(renderer):
     one = scene(shade=al.shade.Environment(SMOOTH))
     two = scene(shade=al.shade.Environment(SMOOTH.turned(1.0)))
     assert renderer.explain(one, SIZE) is renderer.explain(two, SIZE)
-    assert one.layers[0].look.shade.resources(None)["maps"].texels is two.layers[0].look.shade.resources(None)["maps"].texels
+    maps = [light_maps(drawn.layers[0].look.shade.environment.source) for drawn in (one, two)]
+    assert maps[0] is maps[1]
     assert not np.allclose(renderer.render(one, SIZE).rgba, renderer.render(two, SIZE).rgba, atol=LEVEL)
 
 

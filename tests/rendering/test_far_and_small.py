@@ -154,14 +154,38 @@ def test_exact_paths_are_exact(renderer):
         assert np.abs(renderer.render(drawn, SIZE).rgba - reference.render(drawn, SIZE).rgba).max() < 5e-4
 
 
-def test_volumes_are_let_go_at_once(renderer):
+def first_of_refined(renderer, drawn):
+    images = renderer.refine(drawn, (8, 8), tolerance=0.001)
+    for _ in range(5):
+        next(images)
+
+
+def with_an_error(renderer, drawn):
+    def progress(*_):
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        renderer.render(drawn, (8, 8), progress=progress)
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda renderer, drawn: renderer.render(drawn, (8, 8)),
+        lambda renderer, drawn: renderer.refine(drawn, (8, 8)) and None,
+        first_of_refined,
+        with_an_error,
+    ],
+    ids=["drawn", "refined, but not begun", "refined, but not to the end", "broken off"],
+)
+def test_volumes_are_let_go_at_once(renderer, use):
     """No ring of references waits for the garbage to be collected: volumes are large."""
-    volume = al.Volume(np.zeros((4, 4, 4), dtype=np.float32))
+    volume = al.Volume(np.linspace(0, 120, 9**3, dtype=np.float32).reshape(9, 9, 9) % 97)
     known = weakref.ref(volume)
     gc.collect()
     gc.disable()
     try:
-        renderer.render(al.Scene(volume, camera="iso", transfer=function()), (8, 8))
+        use(renderer, al.Scene(volume, camera="iso", transfer=function(), look=al.Look(shade="none")))
         del volume
         deadline = time.monotonic() + 5
         while known() is not None and time.monotonic() < deadline:

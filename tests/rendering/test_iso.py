@@ -239,6 +239,18 @@ def test_exact_roots_leave_out_no_sheet(renderer, camera):
     compare(renderer, drawn, step=5.0, refine="exact", strays=0.004)
 
 
+def test_exact_roots_beside_empty_samples(renderer):
+    """What is empty counts as what lies before the surface, also within the cell where it begins."""
+    rng = np.random.default_rng(3)
+    noise = rng.random((12, 13, 14)).astype(np.float32)
+    noise[rng.random(noise.shape) < 0.15] = np.nan
+    drawn = at(0.8, al.Volume(noise, spacing=(1.0, 1.2, 0.9)), "orthographic", shade="none")
+    image = renderer.render(drawn, SIZE, driver=al.driver.March(refine="exact"))
+    truth = reference.render(drawn, SIZE, refine="exact")
+    assert np.isfinite(truth.depth).sum() > 400
+    assert (np.abs(image.rgba - truth.rgba).max(axis=-1) > 1 / 255).sum() <= 1
+
+
 def test_thin_sheets_are_found_at_large_steps(renderer):
     """A sheet of one voxel, looked at along the diagonal, at steps of five voxels."""
     data = np.zeros((40, 40, 40), dtype=np.float32)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from scenes import lights, rotation
 import airlight as al
 from airlight import reference
 from airlight.app.cli import main
+from airlight.rendering.layers import check_textures
 
 SIZE = (40, 32)
 LEVEL = 1 / 255
@@ -98,6 +100,28 @@ def test_layers_may_be_of_any_kind(any_renderer):
     compare(any_renderer, scene(holed(), large(labels=labels), small(look=al.Look("bspline", transfer="postclassified"))))
 
 
+def test_stages_without_parameters_go_with_others_and_tones_follow_in_a_pass_of_their_own(renderer):
+    classified = al.Look("preclassified", tone="reinhard")
+    compare(renderer, scene(large(look=classified), small(look=al.Look(tone="reinhard"))))
+    lit = al.Look(shade=al.shade.Environment(environment=al.Environment.white((0.5, 0.2, 0.1))))
+    image = renderer.render(scene(large(look=lit), small(), background=lit.shade.environment), SIZE)
+    truth = reference.render(scene(large(look=lit), small(), background=lit.shade.environment), SIZE)
+    assert np.abs(image.rgba - truth.rgba).max() <= LEVEL
+
+
+def test_directions_of_one_volume_are_lit_for_each_layer(renderer):
+    """Layers of one volume share its quantised directions, and each has its own shade."""
+    matt, shiny = al.shade.BlinnPhong(ambient=0.1, diffuse=0.9), al.shade.BlinnPhong(ambient=0.6, specular=0.9, shininess=3)
+    layers = (
+        large(look=al.Look(lighting="quantised", shade=matt)),
+        large(look=al.Look(lighting="quantised", shade=shiny), transfer=BLUE),
+    )
+    across = al.Camera.orthographic(eye=(45, 40, 30), target=(11, 11, 11), up=(0, 0, 1), height=30)
+    given = {"camera": across, "lights": [al.Light.directional(to_light=(1, 0.5, 1))]}
+    # Normals between two directions may be rounded to either: a level or two.
+    compare(renderer, scene(*layers, **given), most=4 * LEVEL)
+
+
 def test_clips_solid_faces_and_meshes(renderer):
     clips = [
         al.Clip.plane(point=(11, 9, 11), normal=(0.2, 1, 0.3)),
@@ -134,6 +158,8 @@ def test_order_does_not_matter_and_nothing_adds_nothing(renderer):
     alone = renderer.render(scene(large()), SIZE)
     without = renderer.render(scene(large(), small(density=0.0)), SIZE)
     np.testing.assert_array_equal(without.rgba, alone.rgba)
+    truth = reference.render(scene(large(), small(density=0.0)), SIZE)
+    assert np.abs(without.rgba - truth.rgba).max() <= LEVEL / 10
     hidden = renderer.render(scene(large(), small(visible=False)), SIZE)
     np.testing.assert_array_equal(hidden.rgba, alone.rgba)
     # A function without anything in its range is there, and cuts slabs where its volume begins and ends.
@@ -141,6 +167,13 @@ def test_order_does_not_matter_and_nothing_adds_nothing(renderer):
         scene(large(), small(transfer=al.TransferFunction([(2000, "red", 0.0), (3000, "red", 1.0)]))), SIZE, step=0.5
     )
     assert np.abs(dark.rgba - renderer.render(scene(large()), SIZE, step=0.5 * min(small().volume.spacing)).rgba).max() < LEVEL
+
+
+def test_steps_of_several_layers_have_one_length(renderer):
+    layers = large(density=4.0), small()
+    image = renderer.render(scene(*layers), SIZE, driver=al.driver.March(adaptive=True))
+    assert image.stats["adaptive"] is False
+    np.testing.assert_array_equal(image.rgba, renderer.render(scene(*layers), SIZE).rgba)
 
 
 def test_two_halves_are_the_whole_and_twice_is_twice_as_dense(renderer):
@@ -226,6 +259,14 @@ def test_what_cannot_be_drawn_is_refused(renderer, layers, given, error, match):
 def test_textures_beyond_a_devices_limit_are_refused(core_renderer):
     with pytest.raises(al.LimitError, match=r"layers are 6 with .* textures, and .* takes 16"):
         core_renderer.render(scene(*(replace(small(), density=1 + n / 10) for n in range(6))), SIZE)
+
+
+def test_samplers_beyond_a_devices_limit_are_refused():
+    limits = {"max-sampled-textures-per-shader-stage": 128, "max-samplers-per-shader-stage": 16}
+    device = SimpleNamespace(limits=limits, info=SimpleNamespace(name="some GPU"))
+    program = SimpleNamespace(bindings=[SimpleNamespace(kind="sampler")] * 18)
+    with pytest.raises(al.LimitError, match="layers are 6 with 18 samplers, and some GPU takes 16"):
+        check_textures(SimpleNamespace(device=device, layers=[None] * 6), program)
 
 
 def test_clips_of_one_layer_alone_are_refused(renderer):

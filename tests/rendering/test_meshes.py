@@ -269,6 +269,8 @@ def test_more_layers_than_are_kept_are_told(renderer):
     found = all_of_them["layer_pixels"]
     assert found == sorted(found, reverse=True)
     assert found[5] > 0
+    beside = dataclasses.replace(scene, meshes=[ball(1.0), *shells])
+    assert 0 < renderer.render(beside, SIZE).stats["meshes"]["pixels_with_more_layers"] <= told["pixels_with_more_layers"]
 
 
 def test_four_layers_are_the_nearest_four(renderer):

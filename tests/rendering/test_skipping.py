@@ -185,6 +185,19 @@ def test_tops_that_end_just_below_where_something_is(renderer):
     assert not whole.rgba.any()
 
 
+def test_tops_that_end_just_below_a_shape(renderer):
+    """Nothing holds values of several variables where they are: blocks allow for what moves them."""
+    steep = islands(5, 8)
+    volume = al.Volume(np.minimum(steep.array, 34), world_from_index=steep.world_from_index)
+    shapes = [Box((35, 0), (110, 400), edge=0, colour=(1, 0.5, 0), extinction=20.0)]
+    function = JointFunction((Axis("value", 0, 140), Axis("gradient", 0, 400)), shapes)
+    for step in (1.0, 1.9):
+        skipped, whole = both(renderer, volume, function, "perspective", step)
+        assert skipped.stats["skip"]["done"] == "blocks"
+        assert whole.rgba.any()
+        assert np.abs(skipped.rgba - whole.rgba).max() <= LEVEL
+
+
 @pytest.mark.parametrize("side", [(0, -1, 0), (-1, 0, 0)])
 @pytest.mark.parametrize(("shape", "look"), [((3, 4, 5), {"field": "nearest", "transfer": "postclassified"}), ((1, 4, 5), {})])
 def test_outer_cells_are_drawn(renderer, shape, look, side):
@@ -194,7 +207,8 @@ def test_outer_cells_are_drawn(renderer, shape, look, side):
     camera = al.Camera.orthographic(eye=tuple(middle + 20 * np.array(side)), target=tuple(middle), height=7)
     drawn = al.Scene(volume, transfer=solid, camera=camera, look=al.Look(shade="none", **look), background=None)
     chosen, skipped, whole = (renderer.render(drawn, (200, 200), skip=skip) for skip in ("auto", "blocks", "none"))
-    assert chosen.stats["skip"]["done"] == "none"  # it is full
+    assert chosen.stats["skip"]["done"] == "none"
+    assert "95% of the blocks" in chosen.stats["skip"]["reason"]
     assert skipped.stats["skip"]["done"] == "blocks"
     assert np.abs(skipped.rgba - whole.rgba).max() <= LEVEL
 

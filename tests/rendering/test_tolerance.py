@@ -11,9 +11,11 @@ import pytest
 from scenes import blobs, cameras, function, lights, rotation
 
 import airlight as al
+import airlight.rendering.renderer
+import airlight.rendering.tolerance
 from airlight import reference
 from airlight.rendering.budget import LADDER, Cost, _chosen, enlarged, scaled
-from airlight.rendering.frame import Request
+from airlight.rendering.frame import Request, draw_pixels
 from airlight.rendering.tolerance import Known, greatest_around
 
 SIZE = (24, 20)
@@ -123,6 +125,9 @@ def test_annotations_and_empty_scenes(renderer):
         ({"tolerance": float("nan")}, "must lie in"),
         ({"budget_ms": 0}, "positive"),
         ({"budget_ms": float("inf")}, "positive"),
+        ({"tolerance": "0.01"}, "must be a number"),
+        ({"budget_ms": True}, "must be a number"),
+        ({"step": "half"}, "must be a number"),
         ({"tolerance": 0.01, "step": 0.5}, "beside step"),
         ({"tolerance": 0.01, "budget_ms": 10}, "beside budget_ms"),
     ],
@@ -130,6 +135,24 @@ def test_annotations_and_empty_scenes(renderer):
 def test_what_cannot_be_asked(renderer, options, said):
     with pytest.raises(al.ValueRangeError, match=said):
         renderer.render(drawn(function(), UNLIT), SIZE, **options)
+
+
+def test_what_cannot_be_refined(renderer):
+    for what, tolerance in ((drawn(function(), UNLIT), None), (blobs(), 0.01)):
+        with pytest.raises(al.AirlightError, match=r"must be a number|pass an airlight.Scene"):
+            renderer.refine(what, SIZE, tolerance=tolerance)
+
+
+def test_rays_that_end_at_the_first_step_are_an_error(renderer, monkeypatch):
+    """Nothing is known of their pixels at all."""
+
+    def ended(*asked):
+        image, samples = draw_pixels(*asked)
+        return image, -samples
+
+    monkeypatch.setattr(airlight.rendering.tolerance, "draw_pixels", ended)
+    with pytest.raises(al.LimitError, match="ended rays"):
+        renderer.render(drawn(function(), UNLIT), SIZE, tolerance=0.01)
 
 
 def test_tones_of_the_whole_image(renderer):
@@ -197,6 +220,29 @@ def test_a_view_goes_on_where_it_was_and_begins_anew_for_another_look(renderer):
     renderer.close_view("one")
 
 
+def test_a_new_frame_of_a_view_ends_the_iteration_and_is_drawn(renderer):
+    scene = drawn(function(), UNLIT)
+    images = renderer.refine(scene, SIZE, tolerance=0.001, view="two")
+    next(images)
+    newer = renderer.submit(scene, (8, 8), view="two")
+    assert list(images) == []
+    assert newer.result().size == (8, 8)
+    others = renderer.refine(scene, SIZE, tolerance=0.001, view="two")
+    next(others)
+    newest = renderer.refine(scene, SIZE, tolerance=0.001, view="two")
+    assert next(newest).stats["refined"]["scale"] == 0.25
+    assert list(others) == []
+    assert list(newest)[-1].stats["tolerance"]["pixels_over"] == 0
+    renderer.close_view("two")
+
+
+def test_work_begins_anew_on_another_device(monkeypatch):
+    """Where one is lost, between two images, the next is drawn on another."""
+    monkeypatch.setattr(airlight.rendering.renderer, "better_and_better", lambda device, *_: iter([device, device]))
+    work = airlight.rendering.renderer._Refinement((None, None))
+    assert [work.next(device, lambda: None, lambda *_: None) for device in "aabb"] == list("aabb")
+
+
 def test_work_that_is_given_up_ends(renderer):
     scene = drawn(PEAKS, LIT)
     images = renderer.refine(scene, (512, 512), tolerance=1e-5, view="given up")
@@ -231,6 +277,27 @@ def test_costs_follow_what_frames_take():
     assert cost.of(10_000, 1.0) == pytest.approx(101.0, rel=0.02)
 
 
+def test_a_first_frame_that_took_long_is_forgotten():
+    cost = Cost(500.0, 1e-3, 1e-3)
+    cost.learn(10_000, 1.0, 21.0)
+    assert cost.of(10_000, 1.0) < 50
+
+
+def test_frames_in_time_of_nothing(renderer):
+    layer = al.Layer(rough(), transfer=function(), visible=False)
+    nothing = al.Scene(layers=[layer], camera=cameras(rough())["perspective"], background=None)
+    assert not renderer.render(nothing, SIZE, budget_ms=10).rgba.any()
+
+
+def test_pictures_of_several_steps_or_enlarged_have_no_disagreement(renderer):
+    for options in ({"tolerance": 0.05}, {"budget_ms": 0.001}):
+        image = renderer.render(drawn(function(), UNLIT), SIZE, driver=al.driver.March(offsets="interleaved"), **options)
+        assert image.stats["size"] == list(image.size)
+        assert "disagreement" not in image.stats
+        with pytest.raises(al.DataError, match="one step"):
+            _ = image.disagreement
+
+
 def test_frames_in_time_are_told_and_as_large_as_asked(renderer):
     scene = drawn(function(), UNLIT)
     for budget in (0.001, 1e6):
@@ -246,7 +313,7 @@ def test_frames_in_time_are_told_and_as_large_as_asked(renderer):
 def test_enlarged_images_lie_where_they_did():
     x = np.linspace(0, 1, 16, dtype=np.float32)
     rgba = np.broadcast_to(x[:, None], (12, 16, 4)).copy()
-    image = enlarged(al.Image(rgba, np.full((12, 16), np.inf, np.float32)), (64, 48), drawn(function(), UNLIT))
+    image = enlarged(al.Image(rgba, np.full((12, 16), np.inf, np.float32)), (64, 48))
     assert image.size == (64, 48)
     places = (np.arange(64) + 0.5) / 4 - 0.5
     assert np.allclose(image.rgba[20, 2:-2, 1], np.interp(places, np.arange(16), x)[2:-2], atol=1e-6)

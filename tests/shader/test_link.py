@@ -54,7 +54,7 @@ def test_renamed_imports_keep_members_and_comments(package):
     assert "struct Ray { one: f32 }" in text
 
 
-def test_a_layers_files_are_instantiated_with_suffixes(package, monkeypatch):
+def test_a_layers_files_are_instantiated_with_suffixes(package):
     package["help.wgsl"] = (
         "import slot::field::{locate, field_value};\nfn at(p: vec3f) -> f32 { return field_value(locate(p)); }"
     )
@@ -67,7 +67,7 @@ def test_a_layers_files_are_instantiated_with_suffixes(package, monkeypatch):
     slots = {"field": (("f", FIELD), ("f", FIELD)), "gradient": (("g", gradient), ("g", gradient))}
     root = "import generated::layers::first;\nfn main() { }"
     names = NAMES | {("layers", None, "first"): "first"}
-    monkeypatch.setattr(linking, "has_source", lambda path: path in package)
+    package["several/slots.wgsl"] = ""
     with pytest.raises(ShaderError, match=r"root.wgsl:1 imports 'locate' of a layer, but there are 2 layers"):
         linked("import slot::field::locate;", slots, Generated("", NAMES))
     one = {slot: fillers[:1] for slot, fillers in slots.items()}
@@ -184,3 +184,21 @@ def test_several_layers_answer_as_one_and_a_chain_ends_behind_the_last(package, 
     alone = linked(root, {"field": (("f", FIELD),)}, Generated("", NAMES)).text
     assert "fn way(p: vec3f) -> f32 { return locate_0(p).p.x; }" in alone
     assert "several" not in alone
+
+
+def test_what_only_a_later_layer_has_parameters_for_belongs_to_it(package, monkeypatch):
+    monkeypatch.setattr(linking, "has_source", lambda path: path in package)
+    package["far.wgsl"] = "import generated::field::params;\nfn far() -> f32 { return params.x; }"
+    text = FIELD.text.replace("import generated::field::params;\n", "").replace(" * params.gain", "")
+    plain = Source("plain.wgsl", text)
+    other = Source("other.wgsl", "import package::far::far;\n" + text.replace("return 1.0", "return far()"))
+    package["both.wgsl"] = (
+        "import next::both::sum as rest;\nimport slot::field::locate;\n"
+        "fn sum(p: vec3f) -> f32 { return locate(p).p.x + rest(p); }"
+    )
+    package["both_end.wgsl"] = "fn sum(p: vec3f) -> f32 { return 0.0; }"
+    names = {("field", 1, "params"): "uniforms.field_1"}
+    slots = {"field": (("plain", plain), ("other", other))}
+    text = linked("import next::both::sum;\nfn main() -> f32 { return sum(vec3f(1.0)); }", slots, Generated("", names)).text
+    assert "fn far_1() -> f32 { return uniforms.field_1.x; }" in text
+    assert "fn extent_1(place: Place_1, direction: vec3f) -> f32 { return far_1(); }" in text

@@ -32,16 +32,19 @@ class Shown:
     Attributes
     ----------
     functions
-        Its transfer functions, each with the name of its channel; both are empty where they show regions of labels alone.
+        Its transfer functions, each with the name of its channel; none where their colours are not shown.
     value_unit
         Unit of the values, empty where unknown.
     is_projection
         Whether values are shown in their colours alone, without opacity.
+    instead
+        What is shown where there are no functions.
     """
 
     functions: tuple[tuple[str, AnyFunction], ...]
     value_unit: str = ""
     is_projection: bool = False
+    instead: str = "labels"
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +133,7 @@ class View:
         depth = way @ forward
         at_eye, more = self.camera.pixel_width(self.size_px)
         wide = at_eye + more * depth
-        wide = np.where(wide > 0, wide, np.nan)
+        wide = np.where(depth > 0, wide, np.nan)
         width, height = self.size_px
         return np.stack([width / 2 + way @ right / wide, height / 2 - way @ up / wide, depth], axis=1)
 

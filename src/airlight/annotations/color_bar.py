@@ -69,7 +69,7 @@ class ColorBar(Annotation):
             raise DataError("color_bar.layer", f"is {self.layer}, and {len(view.layers)} layers are visible", "choose another")
         shown = view.layers[self.layer]
         if not shown.functions:
-            raise DataError("color_bar", f"shows values, and layer {self.layer} shows labels", "leave it out")
+            raise DataError("color_bar", f"shows values, and layer {self.layer} shows {shown.instead}", "leave it out")
         marks: list[Mark] = []
         told = []
         for name, function in shown.functions if self.side == "left" else reversed(shown.functions):

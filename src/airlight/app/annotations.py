@@ -27,6 +27,11 @@ def parse_pointer(text: str) -> Annotation:
     """Pointer of ``10,20,30`` or ``10,20,30:shape=arrow,size_voxels=8,label=here``."""
     place, colon, rest = text.partition(":")
     data = assignments(rest, POINTER) if colon else {}
+    for name in ("kind", "p_world"):
+        if name in data:
+            raise ValueRangeError(f"{POINTER}.{name}", "is told already", "leave it out")
+    if "label" in data:
+        data["label"] = str(data["label"])  # also of a number
     try:
         return from_dict({**data, "kind": Pointer.kind, "p_world": parse_numbers(place, (3,), POINTER)})
     except ValueRangeError as error:

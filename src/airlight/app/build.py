@@ -137,7 +137,7 @@ def make_job(
         layers = tuple(_with_surfaces(layer, surfaces, alone=not given and not is_scene(path)) for layer in layers)
     if labels is not None:
         layers = tuple(with_labels(layer, labels, progress, parse_bytes(read.max_memory)) for layer in layers)
-    layers = (*layers, *(open_layers(others, layers[0], parse_bytes(read.max_memory), progress) if others else ()))
+    layers = (*layers, *open_layers(others, layers, parse_bytes(read.max_memory), progress))
     layers = tuple(cropped(lit_by(layer, environment, look.shade is not None), crop) for layer in layers)
     if look.mesh or look.box is not None:
         drawn = () if look.box is None else boxes(layers, look.box)

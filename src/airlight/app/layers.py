@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from ..errors import ValueRangeError
-from ..scene import Layer
+from ..scene import Layer, Look
 from ..transfer import presets
 from .inputs import open_named
 from .meshes import file_and_options
@@ -39,9 +39,13 @@ def parse_layer(text: str) -> tuple[str, dict[str, Any]]:
 
 
 def open_layers(
-    parsed: Iterable[tuple[str, dict[str, Any]]], first: Layer, max_memory: int, progress: ProgressBar | None = None
+    parsed: Iterable[tuple[str, dict[str, Any]]],
+    others: Sequence[Layer],
+    max_memory: int,
+    progress: ProgressBar | None = None,
 ) -> tuple[Layer, ...]:
-    """Layers of files, with the look of the first."""
+    """Layers of files, with the look of the first of the others, if there are any."""
+    look, clips = (others[0].look, others[0].clips) if others else (Look(), ())
     layers = []
     for name, options in parsed:
         volume = open_named(name, progress, max_memory=max_memory)
@@ -51,6 +55,6 @@ def open_layers(
             transfer = presets.get(str(options["preset"]), volume, channel, time)
         elif "colormap" in options:
             transfer = presets.glowing(str(options["colormap"]), volume, channel, time)
-        given = {"density": options.get("density", 1.0), "channel": channel, "time": time, "clips": first.clips}
-        layers.append(Layer(volume, transfer, first.look, **given))
+        given = {"density": options.get("density", 1.0), "channel": channel, "time": time, "clips": clips}
+        layers.append(Layer(volume, transfer, look, **given))
     return tuple(layers)

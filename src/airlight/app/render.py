@@ -104,6 +104,9 @@ def render(
         )
         if disagreement is not None and getattr(job.arguments.get("driver"), "offsets", "none") != "interleaved":
             raise ValueRangeError("--disagreement", "is that of interleaved offsets", "add --offsets interleaved")
+        for name, option in (("tolerance", "--tolerance"), ("budget_ms", "--budget")):
+            if disagreement is not None and name in job.arguments:
+                raise ValueRangeError("--disagreement", f"is that of one step, and {option} chooses several", "give --step")
         from .. import api
 
         arguments = job.arguments if normals is None else {**job.arguments, "keep_hits": True}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,24 +34,20 @@ MOST_GROUPS = 4096
 Known = Callable[[BlockVariable], Ranges]
 
 
-def known_blocks(device: Device) -> Known:
-    """Ranges of variables, those of samples and labels kept with their volume."""
-
-    def known(variable: BlockVariable) -> Ranges:
-        match variable:
-            case BlockSlopes():
-                return known(variable.ranges)
-            case BlockShares():
-                numbers, reach = variable.numbers, variable.reach
-                ranks: Ranges = device.kept.get(("label ranges", reach), lambda: label_ranges(numbers, reach), numbers)
-                return label_shares(ranks, variable.drawn)
-            case BlockRanges():
-                grid = variable.grid
-                key = ("ranges", grid.channels[variable.place], grid.time, grid.masked, grid.filtered, variable.reach)
-                found: Ranges = device.kept.get(key, lambda: sample_ranges(device, variable), grid.volume)
-                return found
-
-    return known
+def known_ranges(device: Device, variable: BlockVariable) -> Ranges:
+    """Ranges of a variable, those of samples and labels kept with their volume."""
+    match variable:
+        case BlockSlopes():
+            return known_ranges(device, variable.ranges)
+        case BlockShares():
+            numbers, reach = variable.numbers, variable.reach
+            ranks: Ranges = device.kept.get(("label ranges", reach), lambda: label_ranges(numbers, reach), numbers)
+            return label_shares(ranks, variable.drawn)
+        case BlockRanges():
+            grid = variable.grid
+            key = ("ranges", grid.channels[variable.place], grid.time, grid.masked, grid.filtered, variable.reach)
+            found: Ranges = device.kept.get(key, lambda: sample_ranges(device, variable), grid.volume)
+            return found
 
 
 def occupied(empty: tuple[tuple[Within, ...], ...], known: Known, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
@@ -112,7 +109,7 @@ def block_bounds(device: Device, asked: BlockBounds) -> Any:
     )
 
     def make() -> Any:
-        ends = field_range(known_blocks(device)(told), told)[0 if asked.of_least else 1]
+        ends = field_range(known_ranges(device, told), told)[0 if asked.of_least else 1]
         reduce = np.minimum if asked.of_least else np.maximum
         own = pooled(outwards(ends, asked.of_least), BOUND_VOXELS // BLOCK_VOXELS, reduce)
         group = pooled(own, BOUND_GROUP_VOXELS // BOUND_VOXELS, reduce)
@@ -202,30 +199,32 @@ class Leaps:
 def block_leaps(device: Device, asked: BlockLeaps, shape: tuple[int, ...]) -> Leaps:
     """Leaps over blocks (z, y, x), made anew only where what is empty, or how it is told, changes."""
     owners: list[Any] = []
+    key = tuple(tuple((*_told(w.variable, owners), w.low, w.high) for w in condition) for condition in asked.empty)
+
+    def make() -> Leaps:
+        return make_leaps(device, occupied(asked.empty, partial(known_ranges, device), shape))
+
+    found: Leaps = device.kept.get(("leaps", shape, key), make, *owners)
+    return found
+
+
+def _told(variable: BlockVariable, owners: list[Any]) -> tuple[Any, ...]:
+    """What tells a variable from others; of what lives as long as the volume, and is put among owners, the place there."""
 
     def number(owner: Any) -> int:
         if not any(owner is known for known in owners):
             owners.append(owner)
         return next(i for i, known in enumerate(owners) if owner is known)
 
-    def told(variable: BlockVariable) -> tuple[Any, ...]:
-        """What tells a variable from others, without what lives as long as the volume."""
-        match variable:
-            case BlockSlopes():
-                return ("slopes", variable.per_value, *told(variable.ranges))
-            case BlockShares():
-                return ("shares", number(variable.numbers), variable.drawn, variable.reach)
-        grid = variable.grid
-        traits = (grid.channels, grid.time, grid.masked, grid.filtered)
-        return ("values", number(grid.volume), *traits, variable.place, variable.reach, variable.overshoot)
-
-    key = tuple(tuple((*told(w.variable), w.low, w.high) for w in condition) for condition in asked.empty)
-
-    def make() -> Leaps:
-        return make_leaps(device, occupied(asked.empty, known_blocks(device), shape))
-
-    found: Leaps = device.kept.get(("leaps", shape, key), make, *owners)
-    return found
+    match variable:
+        case BlockSlopes():
+            return ("slopes", variable.per_value, *_told(variable.ranges, owners))
+        case BlockShares():
+            return ("shares", number(variable.numbers), variable.drawn, variable.reach)
+        case BlockRanges():
+            grid = variable.grid
+            traits = (grid.channels, grid.time, grid.masked, grid.filtered)
+            return ("values", number(grid.volume), *traits, variable.place, variable.reach, variable.overshoot)
 
 
 def make_leaps(device: Device, near: npt.NDArray[np.bool_]) -> Leaps:

@@ -17,7 +17,7 @@ from .device import Device
 
 FOUND_FORMAT = "rg32uint"
 DEPTH_FORMAT = "depth32float"
-BYTES_PER_PIXEL = 8 + 3 * 4
+BYTES_PER_PIXEL = 8 + 2 * 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +39,11 @@ class Triangles:
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """What passes draw into: numbers of triangles and meshes, depths of what is opaque, and of the last two layers."""
+    """What passes draw into: numbers of triangles and meshes, depths of what is opaque, and what no pass looks at."""
 
     found: Any
     opaque: Any
-    depths: tuple[Any, Any]
+    unused: Any
     bytes: int
 
 
@@ -107,8 +107,8 @@ def targets_of(device: Device, size_px: tuple[int, int]) -> Targets:
     def texture(texel_format: str) -> Any:
         return device.gpu.create_texture(size=(*size_px, 1), format=texel_format, usage=usage).create_view()
 
-    depths = [texture(DEPTH_FORMAT) for _ in range(3)]
-    return Targets(texture(FOUND_FORMAT), depths[0], (depths[1], depths[2]), size_px[0] * size_px[1] * BYTES_PER_PIXEL)
+    pixels = size_px[0] * size_px[1]
+    return Targets(texture(FOUND_FORMAT), texture(DEPTH_FORMAT), texture(DEPTH_FORMAT), pixels * BYTES_PER_PIXEL)
 
 
 def render_pipeline(device: Device, program: Program) -> Pipeline:
@@ -150,7 +150,7 @@ def bound(device: Device, pipeline: Pipeline, triangles: Triangles, resources: M
     return Drawn(triangles, pipeline, bind_groups(device, pipeline, resources))
 
 
-def draw(device: Device, found: Any, depth: Any, meshes: Sequence[Drawn], clears_to: float = 0.0) -> None:
+def draw(device: Device, found: Any, depth: Any, meshes: Sequence[Drawn]) -> None:
     """Submit a pass that draws meshes into cleared targets; ``found`` is None where it writes into buffers alone."""
     encoder = device.gpu.create_command_encoder()
     pass_ = encoder.begin_render_pass(
@@ -161,7 +161,7 @@ def draw(device: Device, found: Any, depth: Any, meshes: Sequence[Drawn], clears
             "view": depth,
             "depth_load_op": "clear",
             "depth_store_op": "store",
-            "depth_clear_value": clears_to,
+            "depth_clear_value": 0.0,
         },
     )
     for mesh in meshes:

@@ -46,7 +46,10 @@ def _settle(job: Job[Any]) -> None:
     try:
         result = job.work(job)
     except BaseException as error:
-        job.future.set_exception(error)
+        # Its traceback leads to the job: no ring, which would keep scenes until garbage is collected.
+        future, job.future = job.future, Future()
+        future.set_exception(error)
+        del future
     else:
         job.future.set_result(result)
 

@@ -166,8 +166,8 @@ def prepare(scene: Scene) -> Setup:
 
 
 def prepare_layers(scene: Scene) -> tuple[Setup, ...]:
-    """Return what the stages see of each visible layer of a scene."""
-    setups = tuple(_setup_of(scene, layer) for layer in scene.visible_layers)
+    """Return what the stages see of each layer of a scene that is drawn."""
+    setups = tuple(_setup_of(scene, layer) for layer in scene.drawn_layers)
     if not setups:
         raise DataError("scene.layers", "has no visible layer")
     least = min(setup.spacing_world for setup in setups)

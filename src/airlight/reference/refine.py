@@ -73,6 +73,7 @@ def crossings(
             continue
         way = (b - a)[rows]
         values = np.stack([field(rows, a[rows] + node * way) for node in NODES], axis=1) - level
+        values = np.where(np.isnan(values), values[:, :1], values)
         values[np.isnan(values).any(axis=1)] = -1.0
         cubic = np.asarray(np.linalg.solve(np.vander(NODES, increasing=True), values.T).T, dtype=np.float64)
         roots = _roots_in_unit(cubic)

@@ -14,6 +14,7 @@ from ..stages.field_labels import are_alone
 from ..transfer import Channels, TransferFunction
 from ..transfer.kinds import AnyFunction
 from .background import plain_background
+from .image import Image
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,11 @@ def annotated(scene: Scene, size_px: tuple[int, int]) -> tuple[Scene, Notes]:
     return replace(scene, meshes=scene.meshes + shapes, annotations=()), Notes(marks, {"annotations": told})
 
 
+def noted(image: Image, scene: Scene, notes: Notes) -> Image:
+    """Return an image of a scene with what its annotations write on it, and tell."""
+    return replace(image, scene=scene, marks=notes.marks, stats=image.stats | notes.told)
+
+
 def _view(scene: Scene, size_px: tuple[int, int]) -> View:
     layers = scene.visible_layers
     boxes = [layer.volume.corners_world(bool(getattr(layer.look.field, "cells", False))) for layer in layers or scene.layers]
@@ -55,6 +61,9 @@ def _view(scene: Scene, size_px: tuple[int, int]) -> View:
 def _shown(layer: Layer) -> Shown:
     volume, function = layer.volume, layer.transfer
     unit, is_projection = volume.value_unit, not getattr(layer.look.integrate, "classifies", True)
+    coloured_by = getattr(layer.look.integrate, "colour_by", "function")
+    if coloured_by != "function":
+        return Shown((), unit, is_projection, coloured_by.replace("_", " "))
     if function is None or are_alone(layer.labels, volume):
         return Shown((), unit, is_projection)
     names = volume.channel_names

@@ -12,7 +12,7 @@ from ..first_picture import resolve
 from ..gpu.device import Device
 from ..gpu.textures import Progress
 from ..scene import Scene
-from .annotating import annotated
+from .annotating import annotated, noted
 from .frame import Request, draw, explain
 from .image import Image
 
@@ -35,7 +35,8 @@ class Cost:
         return self.frame_ms + pixels * (self.pixel_ms + self.samples_ms / step)
 
     def learn(self, pixels: int, step: float, spent_ms: float) -> None:
-        """Take a frame in: views differ, so that half of what it tells counts."""
+        """Take a frame in: views differ, so that half of what it tells counts. No frame takes less than one at all."""
+        self.frame_ms = min(self.frame_ms, spent_ms)
         expected = self.of(pixels, step) - self.frame_ms
         factor = (1 + min(max((spent_ms - self.frame_ms) / max(expected, 1e-6), 0.25), 4.0)) / 2
         self.pixel_ms *= factor
@@ -49,16 +50,18 @@ def draw_in_time(device: Device, scene: Scene, request: Request, check: Callable
     """
     assert request.budget_ms is not None
     scene = resolve(scene, request.size_px)
+    prepared, notes = annotated(scene, request.size_px)
     asked = replace(request, budget_ms=None)
-    cost = _cost(device, scene, asked, check, progress)
+    cost = _cost(device, prepared, asked, check, progress)
     scale, step = _chosen(cost, asked, request.budget_ms)
     size_px = scaled(request.size_px, scale)
     start = time.perf_counter()
-    image = draw(device, scene, replace(asked, size_px=size_px, step=step), check, progress)
+    image = draw(device, prepared, replace(asked, size_px=size_px, step=step), check, progress)
     spent_ms = 1e3 * (time.perf_counter() - start)
     cost.learn(size_px[0] * size_px[1], step, spent_ms)
     told = {"asked_ms": request.budget_ms, "spent_ms": spent_ms, "scale": scale, "step": step}
-    return replace(enlarged(image, request.size_px, scene), stats=image.stats | {"budget": told})
+    image = noted(enlarged(image, request.size_px), scene, notes)
+    return replace(image, stats=image.stats | {"budget": told})
 
 
 def scaled(size_px: tuple[int, int], scale: float) -> tuple[int, int]:
@@ -67,18 +70,20 @@ def scaled(size_px: tuple[int, int], scale: float) -> tuple[int, int]:
     return max(1, round(width * scale)), max(1, round(height * scale))
 
 
-def enlarged(image: Image, size_px: tuple[int, int], scene: Scene) -> Image:
-    """Return an image of a scene in another size: colours interpolated, depths those of the nearest pixel, without hits."""
+def enlarged(image: Image, size_px: tuple[int, int]) -> Image:
+    """Return an image in another size: colours interpolated, depths those of the nearest pixel.
+
+    It has no hits, and no disagreement of neighbouring pixels.
+    """
     from PIL import Image as Pillow
 
     if image.size == size_px:
         return image
     planes = [Pillow.fromarray(plane).resize(size_px, Pillow.Resampling.BILINEAR) for plane in np.moveaxis(image.rgba, -1, 0)]
-    marks = annotated(scene, size_px)[1].marks
     depth = Pillow.fromarray(image.depth).resize(size_px, Pillow.Resampling.NEAREST)
-    return replace(
-        image, rgba=np.stack([np.asarray(plane) for plane in planes], axis=-1), depth=np.asarray(depth), hits=None, marks=marks
-    )
+    rgba = np.stack([np.asarray(plane) for plane in planes], axis=-1)
+    stats = {name: told for name, told in image.stats.items() if name != "disagreement"} | {"size": list(size_px)}
+    return replace(image, rgba=rgba, depth=np.asarray(depth), stats=stats, hits=None)
 
 
 def _chosen(cost: Cost, request: Request, budget_ms: float) -> tuple[float, float]:

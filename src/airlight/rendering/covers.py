@@ -1,13 +1,12 @@
 """Meshes, lines and points of a frame: drawn by the rasteriser, lit, and left as the covers that rays meet on their way.
 
 First what is opaque, then what lets light pass: in one pass that keeps the triangles of each pixel, put in order afterwards.
-Where a pixel has more than there is room for, layer by layer, each behind the one before (depth peeling, Everitt 2001). The
+Where a pixel has more than there is room for, again, with room for as many. The
 rasteriser only finds which triangles are seen; where the pixel's own ray meets them is computed for the triangles themselves.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -21,19 +20,19 @@ from ..geometry.mesh import Mesh
 from ..gpu import compute, raster
 from ..gpu.tiles import Tile
 from ..scene import Scene
-from ..shader.program import FrameUniforms, MeshUniforms
+from ..shader.program import FrameUniforms
 from ..stage import Stage
 from ..stages.shade import BlinnPhong, Shade
 from ..stages.visibility import NoOcclusion
 from ..volume import FloatArray
-from .rasterised import Rasterised, has_projection, tiles_of
+from .rasterised import Rasterised, has_projection, parts_of, tiles_of
 from .resources import DrawnLayer, bound_resources, write_lights
 
 if TYPE_CHECKING:
     from .march import MarchFrame
 
 BYTES_PER_COVER = 20
-SLOTS = 16  # for semi-transparent triangles of a pixel; where there are more, they are drawn layer by layer
+SLOTS = 16  # for semi-transparent triangles of a pixel; where there are more, they are drawn again
 
 
 @dataclass(eq=False)
@@ -82,9 +81,9 @@ class Covers:
 
     @cached_property
     def light(self) -> DrawnLayer:
-        """The shade stage of the first visible layer, for surfaces that are no gradients; Blinn-Phong where that is not lit."""
+        """The shade stage of the first layer, for surfaces that are no gradients; Blinn-Phong where that is not lit."""
         layer = self.frame.layers[0]
-        shade: Any = self.frame.given.visible_layers[0].look.shade
+        shade: Any = self.frame.given.drawn_layers[0].look.shade
         if isinstance(shade, Shade) and not shade.lit:
             shade = BlinnPhong()
         if hasattr(shade, "gradient_threshold"):
@@ -105,7 +104,7 @@ class Covers:
         shown = _Shown(self, band, target, outlines)
         for tile in tiles_of(frame, band, SLOTS * self.see_through):
             frame.check()
-            shown.draw_tile(tile)
+            shown.draw_tile(tile, SLOTS)
         frame.device.wait()
         return target
 
@@ -133,7 +132,7 @@ class _Shown:
         self.drawn = Rasterised(self.frame, covers.meshes, alone, covers.clips, outlines)
         vertices = ("mesh_vertices", "mesh_faces")
         self.programs = {
-            "found": self.drawn.program("passes/covers.wgsl", ("covers", "cover_counts", "triangles", *vertices), lit=True),
+            "found": self.drawn.program("passes/covers.wgsl", ("covers", "triangles", *vertices), lit=True),
             "gathered": self.drawn.program(
                 "passes/gathered.wgsl", ("covers", "cover_counts", "fragments", "fragment_counts", *vertices), lit=True
             ),
@@ -145,38 +144,34 @@ class _Shown:
             "lights": write_lights(device, self.frame.scene.lights),
         }
 
-    def draw_tile(self, tile: Tile) -> None:
-        """Draw what is opaque, then what lets light pass: all in one pass, or layer after layer where that is too much."""
+    def draw_tile(self, tile: Tile, slots: int) -> None:
+        """Draw what is opaque, then what lets light pass: in one pass, or two where that has too little room."""
         covers, targets = self.covers, self.drawn.targets(tile)
-        numbers = range(len(covers.meshes))
-        opaque = [n for n in numbers if covers.meshes[n].opaque]
-        clear = [n for n in numbers if not covers.meshes[n].opaque]
-        self._layer(0, opaque, tile, targets, "raster", targets.opaque, {})
+        clear = [n for n, mesh in enumerate(covers.meshes) if not mesh.opaque]
+        self._draw_opaque(tile, targets)
         if not clear:
             return
         raster.clear_buffer(self.frame.device, self.bound["cover_counts"], 4 * (covers.layers + 2))
-        part = replace(self._part(tile), fragment_slots=SLOTS)
-        fragments = self.drawn.gathered(clear, tile, targets, part, SLOTS)
+        part = replace(self._part(tile), fragment_slots=slots)
+        fragments = self.drawn.gathered(clear, tile, targets, part, slots)
         if fragments.most:
-            self._peel(clear, tile, targets)
+            for smaller in parts_of(self.frame.device, tile, fragments.most):
+                self.draw_tile(smaller, fragments.most)
             return
         program, resources = self.programs["gathered"], {"fragments": fragments.triangles, "fragment_counts": fragments.counts}
         for n in clear:
-            uniforms = self.drawn.packed(program, part, f"uniforms of mesh {n}", mesh=self._mesh_uniforms(n, 1))
+            told = self.drawn.uniforms(n, layers=covers.layers, is_first=n == clear[0])
+            uniforms = self.drawn.packed(program, part, f"uniforms of mesh {n}", mesh=told)
             self.drawn.resolved(program, tile, n, {**self.bound, **resources, "uniforms": uniforms})
         covers.counts += self._counts()
 
-    def _peel(self, numbers: Sequence[int], tile: Tile, targets: raster.Targets) -> None:
-        """Draw layer after layer, until one is empty."""
-        covers = self.covers
-        depth, before = targets.depths
-        raster.draw(self.frame.device, targets.found, before, [], clears_to=1.0)
-        for layer in range(1, covers.layers + 2):
-            self._layer(layer, numbers, tile, targets, "peel", depth, {"peeled_depth": before, "opaque_depth": targets.opaque})
-            depth, before = before, depth
-            if not self._counts()[layer]:
-                break
-        covers.counts += self._counts()
+    def _draw_opaque(self, tile: Tile, targets: raster.Targets) -> None:
+        numbers = [n for n, mesh in enumerate(self.covers.meshes) if mesh.opaque]
+        part, program = self._part(tile), self.programs["found"]
+        raster.draw(self.frame.device, targets.found, targets.opaque, self.drawn.bound("passes/raster.wgsl", numbers, part, {}))
+        for n in numbers:
+            uniforms = self.drawn.packed(program, part, f"uniforms of mesh {n}", mesh=self.drawn.uniforms(n))
+            self.drawn.resolved(program, tile, n, {**self.bound, "uniforms": uniforms, "triangles": targets.found})
 
     def _counts(self) -> np.ndarray[Any, Any]:
         """Pixels with a triangle in each layer of the tile, from number 1 on."""
@@ -187,26 +182,6 @@ class _Shown:
     def _part(self, tile: Tile) -> FrameUniforms:
         uniforms: FrameUniforms = self.band.uniforms()
         return replace(uniforms, tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
-
-    def _mesh_uniforms(self, number: int, layer: int) -> MeshUniforms:
-        return self.drawn.uniforms(number, layer=layer, layers=self.covers.layers if self.covers.see_through else 0)
-
-    def _layer(
-        self,
-        layer: int,
-        numbers: Sequence[int],
-        tile: Tile,
-        targets: raster.Targets,
-        kind: str,
-        depth: Any,
-        read: dict[str, Any],
-    ) -> None:
-        device, part = self.frame.device, self._part(tile)
-        raster.draw(device, targets.found, depth, self.drawn.bound(f"passes/{kind}.wgsl", numbers, part, read))
-        program = self.programs["found"]
-        for n in numbers:
-            uniforms = self.drawn.packed(program, part, f"uniforms of mesh {n}", mesh=self._mesh_uniforms(n, layer))
-            self.drawn.resolved(program, tile, n, {**self.bound, "uniforms": uniforms, "triangles": targets.found})
 
 
 def check_covers(frame: MarchFrame) -> None:
@@ -222,9 +197,11 @@ def check_covers(frame: MarchFrame) -> None:
         return
     camera, integrate = frame.scene_stages["camera"], frame.scene_stages["integrate"]
     if not has_projection(camera):
-        raise StageError(f"camera {camera.name!r}", "draws no meshes", "use perspective or orthographic, or leave them out")
+        raise StageError(
+            f"camera {camera.name!r}", "draws no meshes", "use perspective, orthographic or stereo, or leave them out"
+        )
     if frame.keeps_hits or frame.found is not None:
-        raise StageError("keep_hits", "keeps surfaces of volumes, not meshes", "leave out one of them")
+        raise StageError("keep_hits", "keeps surfaces of volumes, not meshes", "leave them out, and grids, axes and pointers")
     orders = frame.covers.cut_slabs or getattr(integrate, "surfaces_only", False)
     if frame.covers.see_through and not orders:
         what = "makes one value of the whole ray, along which a semi-transparent mesh has no place"

@@ -70,12 +70,12 @@ def _numbers(
     return gradients.compute_voxels(device, program, output, texel_format, pack, bound, size, progress, TEXELS_AT_ONCE)
 
 
-def lit_texture(device: Device, resource: LitDirections) -> Any:
-    """Texture of what directions send; it lives as long as their set, and each frame fills it anew."""
+def lit_texture(device: Device, resource: LitDirections, number: int) -> Any:
+    """Texture of what directions of a layer send; it lives as long as their set, and each frame fills it anew."""
 
     size = (resource.normals.texels.shape[2] + 1, 2, 1)
     make = partial(gradients.written_texture, device, size, "rgba32float")
-    return device.kept.get(("lit directions",), make, resource.normals.texels)
+    return device.kept.get(("lit directions", number), make, resource.normals.texels)
 
 
 def light_directions(frame: MarchFrame) -> None:
@@ -87,7 +87,7 @@ def light_directions(frame: MarchFrame) -> None:
         When light or view depend on more than the direction of a normal; see ``Quantised.check``.
     """
     device = frame.device
-    for layer in frame.layers:
+    for number, layer in enumerate(frame.layers):
         lighting = layer.stages["lighting"]
         if not isinstance(lighting, Quantised):
             continue
@@ -117,7 +117,7 @@ def light_directions(frame: MarchFrame) -> None:
             **bound_resources(device, program, (alone,), {}, frame.anchor_world, frame.progress),
             "uniforms": compute.write_uniforms(device, "uniforms of directions", packed),
             "lights": write_lights(device, frame.scene.lights),
-            "lit_directions_out": lit_texture(device, lit).create_view(),
+            "lit_directions_out": lit_texture(device, lit, number).create_view(),
         }
         pipeline = compute.pipeline_of(device, program)
         groups = compute.bind_groups(device, pipeline, resources)

@@ -24,17 +24,17 @@ from ..scene import Layer, Scene, check_scene
 from ..shader.program import Program
 from ..stage import SLOTS, Context, Stage, make_stage
 from ..stages.blocks import block_bounds, block_leaps
-from ..stages.driver import sharpens_surfaces
+from ..stages.driver import gains_from_curvature, sharpens_surfaces
 from ..stages.transfer import Transfer
 from ..volume import statistics
-from .annotating import annotated
+from .annotating import annotated, noted
 from .background import background_statistics, plain_background, without_layers
 from .clips import clip_statistics, cutting_clips, nothing_left
 from .covers import check_covers, visible_corners
 from .hits import Hits, check_keeps, check_relights, check_same
 from .image import FloatImage, Image
-from .layers import drawn_layers, layer_statistics
-from .march import MarchFrame, draw_march, draws_caps, march_program
+from .layers import checked_layers, layer_statistics
+from .march import MarchFrame, declares, draw_march, draws_caps, march_program
 from .nearby import chosen_anchor, near_camera, shifted_lights
 from .outlines import check_outlines
 from .resources import DrawnLayer, unless_full
@@ -98,8 +98,7 @@ def draw(device: Device, scene: Scene, request: Request, check: Callable[[], Non
     scene, notes = annotated(given, request.size_px)
     image, samples = draw_pixels(device, scene, request, check, progress)
     check_ended(device, samples)
-    image.stats.update(notes.told)
-    return replace(image, scene=given, marks=notes.marks)
+    return noted(image, given, notes)
 
 
 def check_ended(device: Device, samples: FloatImage) -> None:
@@ -127,10 +126,8 @@ def draw_pixels(
     """
     start = time.perf_counter()
     device.kept.begin_frame()
-    reason = nothing_left(scene) if scene.visible_layers else "no visible layer"
-    if reason and (scene.meshes or isinstance(scene.background, Environment)):
-        scene = without_layers(scene)
-    elif reason:
+    scene, reason = left_to_draw(scene)
+    if reason and not (scene.meshes or isinstance(scene.background, Environment)):
         width, height = request.size_px
         nothing = np.zeros((height, width, 4), dtype=np.float32)
         far = np.full((height, width), np.inf, np.float32)
@@ -139,6 +136,12 @@ def draw_pixels(
     image, samples = _finished(frame, request, start)
     image.stats.update({"reason": reason} if reason else {})
     return image, samples
+
+
+def left_to_draw(scene: Scene) -> tuple[Scene, str]:
+    """Return a scene, without its layers where nothing of them is left, and why that is so."""
+    reason = nothing_left(scene) if scene.visible_layers else "no visible layer"
+    return (without_layers(scene) if reason else scene), reason
 
 
 def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None], progress: Progress) -> Image:
@@ -166,8 +169,7 @@ def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None
     check_covers(frame)
     check_relights(frame)
     lit, _ = _finished(frame, request, start)
-    lit.stats.update(notes.told)
-    return replace(lit, hits=replace(image.hits, scene=scene), scene=given, marks=notes.marks)
+    return noted(replace(lit, hits=replace(image.hits, scene=scene)), given, notes)
 
 
 def _finished(frame: MarchFrame, request: Request, start: float) -> tuple[Image, FloatImage]:
@@ -188,14 +190,14 @@ def _finished(frame: MarchFrame, request: Request, start: float) -> tuple[Image,
 
 def explain(device: Device, scene: Scene, request: Request) -> Program:
     """Link the program that would draw a frame, without drawing it."""
-    scene, _ = annotated(resolve(scene, request.size_px), request.size_px)
+    scene, _ = left_to_draw(annotated(resolve(scene, request.size_px), request.size_px)[0])
     return march_program(prepare(device, scene, request, lambda: None, lambda *_: None))
 
 
 def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> MarchFrame:
     """Resolve a scene and gather what its passes share."""
     given = scene = resolve(scene, request.size_px)
-    visible = drawn_layers(scene)
+    visible = checked_layers(scene)
     step_world = request.step * min(min(layer.volume.spacing) for layer in visible)
     skips, keeps = request.skip != "none", request.keep_hits
     sharpens = sharpens_surfaces(request.driver) and len(visible) == 1
@@ -277,6 +279,7 @@ def drawn_layer(
     if not skips:
         return drawn
     integrate = layer.look.integrate
-    told = {"leaps": block_leaps(stages, integrate, context), "bounds": block_bounds(stages, integrate, context)}
+    moves = gains_from_curvature({**stages, "integrate": integrate}) and not declares(stages["transfer"], "held")
+    told = {"leaps": block_leaps(stages, integrate, context, moves), "bounds": block_bounds(stages, integrate, context)}
     asked = {name: resource for name, resource in told.items() if resource is not None}
     return replace(drawn, resources={**drawn.resources, "field": {**drawn.resources["field"], **asked}})

@@ -92,10 +92,11 @@ class Image:
         Raises
         ------
         DataError
-            When the samples of all pixels lie at the same distances, or those of a pixel at none of sixteen.
+            When the samples of all pixels lie at the same distances, or those of a pixel at none of sixteen, when their steps
+            differ (``tolerance``), and when the picture was enlarged (``budget_ms``).
         """
         if "disagreement" not in self.stats:
-            what = "is that of interleaved offsets, and these were not drawn"
+            what = "is that of interleaved offsets at one step, and these were not drawn pixel by pixel"
             raise DataError("image.disagreement", what, 'render with driver=al.driver.March(offsets="interleaved")')
         return disagreement_of(self.rgba)
 

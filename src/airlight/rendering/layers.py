@@ -16,8 +16,8 @@ SHARED = ("integrate", "tone", "visibility")
 TEXTURES = ("table", "layers", "grid", "loaded_grid", "gradients", "labels", "openness")
 
 
-def drawn_layers(scene: Scene) -> tuple[Layer, ...]:
-    """Visible layers that may be seen: of several, those without density are left out.
+def checked_layers(scene: Scene) -> tuple[Layer, ...]:
+    """Layers that are drawn together.
 
     Raises
     ------
@@ -26,25 +26,22 @@ def drawn_layers(scene: Scene) -> tuple[Layer, ...]:
     StageError
         When they ask for different stages where a ray has one.
     """
-    visible = scene.visible_layers
-    if len(visible) == 1:
-        return visible
-    seen = tuple(layer for layer in visible if layer.density > 0) or visible[:1]
-    if len(seen) > MOST_LAYERS:
-        raise LimitError("scene.layers", f"has {len(seen)} visible layers, one march takes {MOST_LAYERS}", "hide the others")
-    for number, layer in enumerate(scene.layers):
-        if layer not in seen[1:] or len(seen) == 1:
-            continue
+    drawn = scene.drawn_layers
+    if len(drawn) > MOST_LAYERS:
+        raise LimitError("scene.layers", f"has {len(drawn)} visible layers, one march takes {MOST_LAYERS}", "hide the others")
+    first = drawn[0]
+    for layer in drawn[1:]:
+        where = f"scene.layers[{next(n for n, one in enumerate(scene.layers) if one is layer)}]"
         for slot in SHARED:
-            mine, first = getattr(layer.look, slot), getattr(seen[0].look, slot)
-            if mine != first:
-                found = f"is {mine.name} {mine}" if mine.name == first.name else f"is {mine.name}, that of another {first.name}"
-                raise StageError(f"scene.layers[{number}].look.{slot}", f"{found}; a ray has one", "give all layers the same")
-        if layer.clips != seen[0].clips:
-            raise LimitError(
-                f"scene.layers[{number}].clips", "cut this layer and not the others, which is not there yet", "use scene.clips"
-            )
-    return seen
+            mine, others = getattr(layer.look, slot), getattr(first.look, slot)
+            if mine != others:
+                found = (
+                    f"is {mine.name} {mine}" if mine.name == others.name else f"is {mine.name}, that of another {others.name}"
+                )
+                raise StageError(f"{where}.look.{slot}", f"{found}; a ray has one", "give all layers the same")
+        if layer.clips != first.clips:
+            raise LimitError(f"{where}.clips", "cut this layer and not the others, which is not there yet", "use scene.clips")
+    return drawn
 
 
 def check_layers(frame: MarchFrame) -> None:
@@ -80,18 +77,21 @@ def layer_statistics(frame: MarchFrame) -> dict[str, Any]:
 
 
 def check_textures(frame: MarchFrame, program: Program) -> None:
-    """Refuse more textures than a device gives to one program.
+    """Refuse more textures and samplers than a device gives to one program.
 
     Raises
     ------
     LimitError
         When several layers need more.
     """
-    most = frame.device.limits["max-sampled-textures-per-shader-stage"]
-    count = sum(binding.kind in TEXTURES for binding in program.bindings)
-    if count > most and len(frame.layers) > 1:
-        raise LimitError(
-            "scene.layers",
-            f"are {len(frame.layers)} with {count} textures, and {frame.device.info.name} takes {most}",
-            "hide some, or use skip='none' and transfer='postclassified', which take fewer",
-        )
+    if len(frame.layers) == 1:
+        return
+    for what, kinds in (("sampled-textures", TEXTURES), ("samplers", ("sampler",))):
+        most = frame.device.limits[f"max-{what}-per-shader-stage"]
+        count = sum(binding.kind in kinds for binding in program.bindings)
+        if count > most:
+            raise LimitError(
+                "scene.layers",
+                f"are {len(frame.layers)} with {count} {what.split('-')[-1]}, and {frame.device.info.name} takes {most}",
+                "hide some, or use skip='none' and transfer='postclassified', which take fewer",
+            )

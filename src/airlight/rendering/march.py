@@ -188,8 +188,12 @@ def switches_of(frame: MarchFrame) -> Switches:
 
 def offers_crossings(layer: DrawnLayer) -> bool:
     """Whether the layer's transfer stage tells surfaces at which slabs are cut."""
-    stage = layer.stages["transfer"]
-    return "next_crossing" in parse(stage_source(stage.wgsl, stage.name)).declared
+    return declares(layer.stages["transfer"], "next_crossing")
+
+
+def declares(stage: Stage, function: str) -> bool:
+    """Whether a stage has an optional part of its slot."""
+    return function in parse(stage_source(stage.wgsl, stage.name)).declared
 
 
 def draws_caps(frame: MarchFrame) -> bool:

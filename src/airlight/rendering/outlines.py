@@ -81,7 +81,7 @@ class Outlines:
             "changes": target,
             "fragments": fragments.triangles,
             "fragment_counts": fragments.counts,
-            "fragment_times": fragments.times,
+            "fragment_times": compute.storage_buffer(device, "fragment times", 4 * tile.width * tile.height * self.slots),
             "uniforms": drawn.packed(program, part, f"uniforms of outline {number}", **told),
         }
         drawn.resolved(program, tile, number, resources)

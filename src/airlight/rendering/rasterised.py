@@ -13,6 +13,7 @@ import numpy as np
 from ..clips import Clip, Solid
 from ..geometry.mesh import Mesh
 from ..gpu import compute, raster
+from ..gpu.device import Device
 from ..gpu.tiles import Tile
 from ..shader.link import parse, stage_source
 from ..shader.program import FrameUniforms, MeshUniforms, Program, ProgramKey, Switches, build_program, stage_key
@@ -36,12 +37,10 @@ def has_projection(camera: Stage) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Fragments:
-    """Triangles that a tile's pixels meet, in no order, with places for ``slots`` of each; ``most`` is the most of a pixel."""
+    """Triangles that a tile's pixels meet, in no order; ``most`` is the most of a pixel where there are not enough places."""
 
     triangles: Any
     counts: Any
-    times: Any
-    slots: int
     most: int
 
 
@@ -119,6 +118,7 @@ class Rasterised:
             triangles=len(mesh.faces),
             is_smooth=mesh.smooth,
             is_lit=mesh.lit,
+            is_opaque=mesh.opaque,
             **told,
         )
 
@@ -156,16 +156,15 @@ class Rasterised:
         device = self.frame.device
         pixels = tile.width * tile.height
         triangles = compute.storage_buffer(device, "fragments", 4 * pixels * slots)
-        times = compute.storage_buffer(device, "fragment times", 4 * pixels * slots)
         counts = compute.storage_buffer(device, "fragment counts", 4 * pixels)
         most = compute.storage_buffer(device, "most fragments", 4)
         raster.clear_buffer(device, counts, 4 * pixels)
         raster.clear_buffer(device, most, 4)
         read = {"fragments": triangles, "fragment_counts": counts, "most_fragments": most, "opaque_depth": targets.opaque}
         drawn = self.bound("passes/gather.wgsl", numbers, replace(part, fragment_slots=slots), read)
-        raster.draw(device, None, targets.depths[0], drawn)
+        raster.draw(device, None, targets.unused, drawn)
         found = int(np.frombuffer(device.queue.read_buffer(most, 0, 4), dtype=np.uint32)[0])
-        return Fragments(triangles, counts, times, slots, found)
+        return Fragments(triangles, counts, found)
 
     def targets(self, tile: Tile) -> raster.Targets:
         """Textures of a tile's size."""
@@ -185,19 +184,24 @@ class Rasterised:
 
 
 def tiles_of(frame: MarchFrame, band: Any, slots: int = 0) -> Iterator[Tile]:
-    """Parts of a band that fit into a texture, and into a buffer with so many triangles a pixel; no part lies in two images."""
-    limits = frame.device.limits
+    """Parts of a band for so many triangles a pixel; no part lies in two images."""
+    width = frame.size_px[0]
+    views = getattr(frame.scene_stages["camera"], "views", 1)
+    edges = [width * view // views for view in range(views + 1)]
+    for begin, end in pairwise(edges):
+        yield from parts_of(frame.device, Tile(begin, band.first_row, end - begin, band.rows), slots)
+
+
+def parts_of(device: Device, tile: Tile, slots: int) -> Iterator[Tile]:
+    """Parts of a tile that fit into a texture, and into a buffer with so many triangles a pixel."""
+    limits = device.limits
     most = min(MOST_TILE, limits["max-texture-dimension-2d"])
     if slots:
         room = min(MOST_FRAGMENT_BYTES, limits["max-storage-buffer-binding-size"])
         most = min(most, max(1, int((room / (4 * slots)) ** 0.5)))
-    last, width = band.first_row + band.rows, frame.size_px[0]
-    views = getattr(frame.scene_stages["camera"], "views", 1)
-    edges = [width * view // views for view in range(views + 1)]
-    for y in range(band.first_row, last, most):
-        for begin, end in pairwise(edges):
-            for x in range(begin, end, most):
-                yield Tile(x, y, min(most, end - x), min(most, last - y))
+    for y in range(0, tile.height, most):
+        for x in range(0, tile.width, most):
+            yield Tile(tile.x + x, tile.y + y, min(most, tile.width - x), min(most, tile.height - y))
 
 
 def _attributes(mesh: Mesh) -> np.ndarray[Any, np.dtype[np.float32]]:

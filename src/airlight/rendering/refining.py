@@ -9,6 +9,7 @@ from ..first_picture import resolve
 from ..gpu.device import Device
 from ..gpu.textures import Progress
 from ..scene import Scene
+from .annotating import annotated, noted
 from .budget import enlarged, scaled
 from .frame import Request, draw
 from .image import Image
@@ -24,11 +25,12 @@ def better_and_better(
     """Draw a scene coarsely, then finer and finer; ``stats["refined"]`` tells scale and step, the last image is the best."""
     scene = resolve(scene, request.size_px)
     check_tones(scene)
+    prepared, notes = annotated(scene, request.size_px)
     first = replace(request, tolerance=None)
     for scale, step in FIRST_PICTURES:
         keeps = request.keep_hits and scale == 1
         asked = replace(first, size_px=scaled(request.size_px, scale), step=step, keep_hits=keeps)
-        image = enlarged(draw(device, scene, asked, check, progress), request.size_px, scene)
+        image = noted(enlarged(draw(device, prepared, asked, check, progress), request.size_px), scene, notes)
         yield replace(image, stats=image.stats | {"refined": {"scale": scale, "step": step}})
     for image in levels(device, scene, request, check, progress):
         finest = min(image.stats["tolerance"]["pixels_by_step"])

@@ -7,16 +7,17 @@ import threading
 import weakref
 from collections.abc import Callable, Hashable, Iterator
 from concurrent.futures import CancelledError, Future
+from dataclasses import dataclass
 from typing import Any
 
 from ..gpu.device import Device, open_device
 from ..gpu.failure import device_failures
 from ..gpu.textures import Progress
 from ..gpu.thread import Job, RenderThread, T
-from ..scene import Scene
+from ..scene import Scene, check_scene
 from ..shader.program import Program
 from ..stage import Stage, make_stage
-from ..transfer.given import check_size, whole
+from ..transfer.given import check_size, number, whole
 from .budget import draw_in_time
 from .frame import Request, draw, explain, relight
 from .image import Image
@@ -47,29 +48,44 @@ class _Held:
             self.device.kept.forget_released()
 
 
-class _Refinement:
-    """Images of one scene that get better, as far as they are; advanced on the render thread alone."""
+@dataclass(eq=False)
+class _Asked:
+    """Whoever asks for the next image of a refinement: what may raise between tiles, and is told of progress."""
 
-    def __init__(self, what: tuple[Scene, Request], progress: Progress) -> None:
+    check: Callable[[], None] = lambda: None
+    progress: Progress = _silent
+
+
+class _Refinement:
+    """Images of one scene that get better, as far as they are; advanced on the render thread alone.
+
+    ``reader`` is the iteration that they are for.
+    """
+
+    def __init__(self, what: tuple[Scene, Request]) -> None:
         self.what = what
         self.last: Image | None = None
-        self.broken = False
-        self._progress = progress
+        self.reader: object = None
+        self._device: Device | None = None
         self._images: Iterator[Image] | None = None
-        self._check: Callable[[], None] = lambda: None
+        self._asked = _Asked()  # a value of its own: images that lead back to here would be a ring, which keeps volumes
 
-    def next(self, device: Device, check: Callable[[], None]) -> Image | None:
-        """Return the next image, None behind the last. Work that is given up begins anew."""
-        self._check = check
-        if self._images is None:
-            self._images = better_and_better(device, *self.what, lambda: self._check(), self._progress)
+    def next(self, device: Device, check: Callable[[], None], progress: Progress) -> Image | None:
+        """Return the next image, None behind the last. Work that is given up, or whose device is lost, begins anew."""
+        asked = self._asked
+        if self._images is None or self._device is not device:
+            self._device = device
+            self._images = better_and_better(device, *self.what, lambda: asked.check(), lambda *told: asked.progress(*told))
+        asked.check, asked.progress = check, progress
         try:
             self.last = next(self._images)
         except StopIteration:
             return None
         except BaseException:
-            self.broken, self._images, self.last = True, None, None
+            self._images = self.last = None
             raise
+        finally:
+            asked.check, asked.progress = lambda: None, _silent
         return self.last
 
 
@@ -103,6 +119,7 @@ class Renderer:
         self._keep_bytes = None if keep_bytes is None else whole(keep_bytes, "keep_bytes", 0)
         self._held = _Held()
         self._refined: dict[Hashable, _Refinement] = {}
+        self._lock = threading.Lock()  # of what is refined: a frame of a view and the end of its iteration are one
         self._thread = RenderThread(idle=self._held.tidy)
         # Whoever forgets to close a renderer does not keep its thread and device for ever.
         weakref.finalize(self, self._thread.close, self._held.drop, wait=False).atexit = False
@@ -115,6 +132,8 @@ class Renderer:
 
     def close(self) -> None:
         """Release the device and all that is on it. Idempotent."""
+        with self._lock:
+            self._refined.clear()
         self._thread.close(self._held.drop)
 
     def warm_up(self, scene: Scene | None = None, *, driver: str | Stage = "march") -> None:
@@ -164,7 +183,8 @@ class Renderer:
             As for ``airlight.render``.
         view
             What the images are for. A new frame of the same view, or ``close_view`` from another thread, ends the iteration
-            between two tiles, which take about 25 ms each; the same scene goes on from its last image, another begins anew.
+            between two tiles, which take about 25 ms each; where the same scene is refined again it goes on from its last
+            image, another begins anew.
 
         Yields
         ------
@@ -177,34 +197,38 @@ class Renderer:
         ...     for image in renderer.refine(scene, (512, 512)):
         ...         show(image)
         """
-        check_size(size)
-        size_px = int(size[0]), int(size[1])
-        request = Request(size_px, make_stage("driver", driver), 1.0, skip, keep_hits, tolerance)
-        own = object() if view is None else view
-        work = self._refined.get(own)
-        if work is None or work.what != (scene, request):
-            work = self._refined[own] = _Refinement((scene, request), progress or _silent)
-        return self._images(work, own, view is not None)
+        request = _request(scene, size, driver, 1.0, skip, keep_hits, number(tolerance, "tolerance"))
+        return self._images(scene, request, progress, view)
 
-    def _images(self, work: _Refinement, view: Hashable, keeps: bool) -> Iterator[Image]:
+    def _images(self, scene: Scene, request: Request, progress: Progress | None, view: Hashable) -> Iterator[Image]:
         """Images of work that may have begun; each is a job of its own, so that other views are drawn in between."""
-        if work.last is not None:
-            yield work.last
+        own, reader = object() if view is None else view, object()
+        with self._lock:
+            work = self._refined.get(own)
+            if work is None or work.what != (scene, request):
+                work = self._refined[own] = _Refinement((scene, request))
+            work.reader = reader
 
         def next_image(job: Job[Image | None]) -> Image | None:
-            return self._guarded(job, lambda device: work.next(device, job.check))
+            return self._guarded(job, lambda device: work.next(device, job.check, progress or _silent))
 
         try:
-            while self._refined.get(view) is work:
-                image = self._thread.submit(next_image, view).result()
+            if work.last is not None:
+                yield work.last
+            while True:
+                with self._lock:
+                    if self._refined.get(own) is not work or work.reader is not reader:
+                        return
+                    posted = [self._thread.submit(next_image, own)]
+                image = posted.pop().result()  # kept by nobody here: its error leads back to this frame
                 if image is None:
                     return
                 yield image
         except CancelledError:
             return
         finally:
-            if self._refined.get(view) is work and (work.broken or not keeps):
-                del self._refined[view]
+            if view is None:
+                self._refined.pop(own, None)  # without the lock: whoever collects garbage may hold one
 
     def relight(self, image: Image, scene: Scene, *, progress: Progress | None = None) -> Image:
         """Light the surfaces of an image again, without a march; see ``airlight.relight``."""
@@ -229,13 +253,14 @@ class Renderer:
         view: Hashable = None,
     ) -> Future[Image]:
         """Post a frame; of one ``view`` only the newest frame is drawn, the futures of older ones are cancelled."""
-        size_px, chosen = (int(size[0]), int(size[1])), make_stage("driver", driver)
-        request = Request(size_px, chosen, float(step), skip, keep_hits, tolerance, budget_ms)
+        request = _request(scene, size, driver, step, skip, keep_hits, tolerance, budget_ms)
         way = draw if tolerance is None else draw_within
         way = draw_in_time if budget_ms is not None else way
-        return self._thread.submit(
-            lambda job: self._guarded(job, lambda device: way(device, scene, request, job.check, progress or _silent)), view
-        )
+        with self._lock:
+            self._refined.pop(view, None)
+            return self._thread.submit(
+                lambda job: self._guarded(job, lambda device: way(device, scene, request, job.check, progress or _silent)), view
+            )
 
     @property
     def kept_bytes(self) -> int:
@@ -249,12 +274,13 @@ class Renderer:
 
     def close_view(self, view: Hashable) -> None:
         """Give up the frames of a view; others go on."""
-        self._refined.pop(view, None)
-        self._thread.close_view(view)
+        with self._lock:
+            self._refined.pop(view, None)
+            self._thread.close_view(view)
 
     def explain(self, scene: Scene, size: tuple[int, int] = (512, 512), driver: str | Stage = "march") -> Program:
         """Return the program that would draw a scene."""
-        request = Request((int(size[0]), int(size[1])), make_stage("driver", driver))
+        request = _request(scene, size, driver)
 
         def work(job: Job[Program]) -> Program:
             return self._guarded(job, lambda device: explain(device, scene, request))
@@ -278,6 +304,25 @@ class Renderer:
         device = self._open()
         with device_failures(device.info, self._held.drop):
             return work(device)
+
+
+def _request(
+    scene: Scene,
+    size: tuple[int, int],
+    driver: str | Stage,
+    step: float = 1.0,
+    skip: str = "auto",
+    keep_hits: bool = False,
+    tolerance: float | None = None,
+    budget_ms: float | None = None,
+) -> Request:
+    """What is asked of a frame of a scene, checked."""
+    check_scene(scene)
+    check_size(size)
+    tolerance = None if tolerance is None else number(tolerance, "tolerance")
+    budget_ms = None if budget_ms is None else number(budget_ms, "budget_ms")
+    chosen = make_stage("driver", driver)
+    return Request((int(size[0]), int(size[1])), chosen, number(step, "step"), skip, keep_hits, tolerance, budget_ms)
 
 
 _shared: dict[str | None, Renderer] = {}

@@ -189,11 +189,19 @@ def bound_resources(
             found[binding.name] = compute.linear_sampler(device)
         elif binding.kind in ("table", "layers", "grid", "loaded_grid", "gradients", "labels", "openness"):
             resource = (scene if index is None else layers[index].resources)[slot][name]
-            found[binding.name] = _view(device, resource, layers[index or 0], anchor_world, progress)
+            found[binding.name] = _view(device, resource, layers, index or 0, anchor_world, progress)
     return found
 
 
-def _view(device: Device, resource: Resource, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress) -> Any:
+def _view(
+    device: Device,
+    resource: Resource,
+    layers: tuple[DrawnLayer, ...],
+    number: int,
+    anchor_world: FloatArray,
+    progress: textures.Progress,
+) -> Any:
+    layer = layers[number]
     match resource:
         case Grid():
             return grid_texture(device, resource, progress).texture.create_view()
@@ -220,7 +228,7 @@ def _view(device: Device, resource: Resource, layer: DrawnLayer, anchor_world: F
         case LitDirections():
             from .directions import lit_texture
 
-            return lit_texture(device, resource).create_view()
+            return lit_texture(device, resource, number).create_view()
         case OpennessGrid():
             from .occlusion import openness_texture  # it is made of what stands here
 

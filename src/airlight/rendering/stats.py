@@ -23,7 +23,7 @@ from ..stage import (
 )
 from .disagreement import disagreement_of
 from .march import MarchFrame, switches_of
-from .resources import grid_texture, label_texture
+from .resources import FULL, grid_texture, label_texture
 
 
 class Estimates(Mapping[str, float]):
@@ -103,7 +103,7 @@ def frame_statistics(frame: MarchFrame, step: float) -> dict[str, Any]:
         "step_world": frame.step_world,
         "curved": switches_of(frame).curved,
         "adaptive": switches_of(frame).adaptive,
-        "skip": {"asked": frame.skip, "done": "blocks" if skips_space(frame) else "none"},
+        "skip": skip_statistics(frame),
         "layers": layers,
         "tables": {
             f"{slot}.{name}": _shape(r) for slot, resources in frame.scene_resources.items() for name, r in resources.items()
@@ -120,10 +120,16 @@ def disagreement_statistics(frame: MarchFrame, rgba: npt.NDArray[np.float32]) ->
     return {"disagreement": Estimates(numbers)}
 
 
-def skips_space(frame: MarchFrame) -> bool:
-    """Whether blocks are passed over."""
+def skip_statistics(frame: MarchFrame) -> dict[str, str]:
+    """Whether blocks are passed over, and why not where it was asked for."""
     switches = switches_of(frame)
-    return switches.skips_blocks or switches.looks_for_extremes
+    if switches.skips_blocks or switches.looks_for_extremes:
+        return {"asked": frame.skip, "done": "blocks"}
+    if frame.skip == "none":
+        return {"asked": "none", "done": "none"}
+    full = any(layer.is_full for layer in frame.layers)
+    why = f"at least {FULL:.0%} of the blocks hold something" if full else "the look does not tell which blocks change nothing"
+    return {"asked": frame.skip, "done": "none", "reason": why}
 
 
 def _shape(resource: Resource) -> list[int]:

@@ -5,8 +5,10 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -19,7 +21,7 @@ from ..gpu.textures import Progress
 from ..scene import Layer, Scene
 from .annotating import annotated
 from .background import plain_background
-from .frame import Request, draw_pixels
+from .frame import Request, check_ended, draw_pixels
 from .hits import Hits
 from .image import FloatImage, Image
 
@@ -31,8 +33,7 @@ CHOSEN_LATER = ("transfer",)  # once it is known what kind of function there is
 
 def draw_within(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> Image:
     """Draw a frame whose pixels are all within a tolerance of what the scene converges to, or say which are not."""
-    *_, image = levels(device, scene, request, check, progress)
-    return image
+    return deque(levels(device, scene, request, check, progress), maxlen=1).pop()
 
 
 def levels(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> Iterator[Image]:
@@ -46,6 +47,8 @@ def levels(device: Device, scene: Scene, request: Request, check: Callable[[], N
     ------
     StageError
         For tones that depend on the whole image.
+    LimitError
+        When the device ends rays at the first step.
     """
     assert request.tolerance is not None
     scene = resolve(scene, request.size_px)
@@ -59,7 +62,10 @@ def levels(device: Device, scene: Scene, request: Request, check: Callable[[], N
         pixels = None if known.open.all() else np.argwhere(known.open)[:, ::-1]
         told = _of_step(progress, step)
         part, samples = draw_pixels(device, bounded, replace(asked, step=step), check, told, pixels)
+        if step == FIRST_STEP:
+            check_ended(device, samples)
         known.take(step, part, samples)
+        part.stats.pop("disagreement", None)  # of pixels with steps of their own
         yield replace(known.image(scene), stats=part.stats | notes.told | known.statistics(), marks=notes.marks)
         step /= 2
 
@@ -121,17 +127,20 @@ class Known:
     def take(self, step: float, part: Image, samples: FloatImage) -> None:
         """Take in what was drawn of the open pixels with a step [voxels], and how many samples (h, w) that took."""
         self._ended |= self.open & (samples < 0)
-        drawn = self.open & (samples >= 0)
+        drawn = np.flatnonzero(self.open & (samples >= 0))  # these are ten times as quick as a mask
+        rgba, taken = listed(part.rgba).take(drawn, axis=0), listed(samples).take(drawn)
         if self._steps:
-            change = np.abs(part.rgba - self._rgba).max(axis=-1)
-            before = np.where(samples == self._samples, 0.0, self._change)
-            self._own[drawn] = np.maximum(change, before)[drawn]
-            self._change[drawn] = change[drawn]
-        self._rgba[drawn], self._depth[drawn], self._samples[drawn] = part.rgba[drawn], part.depth[drawn], samples[drawn]
+            change = reduce(np.maximum, np.abs(rgba - listed(self._rgba).take(drawn, axis=0)).T)
+            same = taken == listed(self._samples).take(drawn)
+            listed(self._own)[drawn] = np.maximum(change, np.where(same, 0, listed(self._change).take(drawn)))
+            listed(self._change)[drawn] = change
+        listed(self._rgba)[drawn], listed(self._samples)[drawn] = rgba, taken
+        listed(self._depth)[drawn] = listed(part.depth).take(drawn)
         if part.hits is not None:
-            self._hits = part.hits.array if self._hits is None else np.where(drawn[..., None], part.hits.array, self._hits)
-        if drawn.any():
-            self._steps.append((step, int(drawn.sum())))
+            self._hits = part.hits.array if self._hits is None else self._hits.copy()
+            listed(self._hits)[drawn] = listed(part.hits.array).take(drawn, axis=0)
+        if drawn.size:
+            self._steps.append((step, len(drawn)))
         self._taken += part.stats.get("samples", 0)
         for name, spent in part.stats.get("milliseconds", {}).items():
             self._milliseconds[name] = self._milliseconds.get(name, 0.0) + spent
@@ -165,11 +174,18 @@ class Known:
         return {"tolerance": told, "samples": int(self._taken), "milliseconds": dict(self._milliseconds)}
 
 
+def listed(plane: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Pixels (h, w, ...) of a plane that lies in one piece as a list (h * w, ...), without a copy."""
+    return plane.reshape(-1, *plane.shape[2:])
+
+
 def greatest_around(estimate: FloatImage) -> FloatImage:
     """Greatest number of each pixel (h, w) and its neighbours up to ``NEIGHBOURS_PX`` away."""
     for axis in (0, 1):
-        lines = np.moveaxis(estimate, axis, -1)
-        padded = np.pad(lines, ((0, 0), (NEIGHBOURS_PX, NEIGHBOURS_PX)), mode="edge")
-        windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS_PX + 1, axis=-1)
-        estimate = np.moveaxis(windows.max(axis=-1), -1, axis)
-    return np.ascontiguousarray(estimate)
+        lines, found = np.moveaxis(estimate, axis, 0), estimate.copy()
+        around = np.moveaxis(found, axis, 0)
+        for away in range(1, NEIGHBOURS_PX + 1):
+            np.maximum(around[away:], lines[:-away], out=around[away:])
+            np.maximum(around[:-away], lines[away:], out=around[:-away])
+        estimate = found
+    return estimate

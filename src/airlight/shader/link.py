@@ -12,8 +12,8 @@ Nothing else is added to WGSL. Files that belong to a layer are instantiated onc
 suffix ``_0``, ``_1`` ...; other names stay as they are written, and a name that two files declare is an error.
 
 Where there are several layers, what is asked of a layer from outside of layers is asked of all: instead of a file that belongs
-to a layer the one of the same path below ``several/`` is taken, if there is one, and ``several/SLOT.wgsl`` for what fills a
-slot.
+to a layer the one of the same path below ``several/`` is taken, if there is one, and ``several/slots.wgsl`` for what fills
+slots.
 """
 
 from __future__ import annotations
@@ -262,10 +262,8 @@ class _Linker:
             raise ShaderError(where, f"imports from slot {'::'.join(item.path[1:])!r}, which nothing fills")
         fillers, per_layer = self.slots[slot], self.per_layer(slot)
         of_all = per_layer and instance is None and self.count > 1
-        if of_all and not has_source(f"several/{slot}.wgsl"):
-            raise ShaderError(where, f"imports {item.name!r} of a layer, but there are {len(fillers)} layers")
         if of_all:
-            source = package_source(f"several/{slot}.wgsl")
+            source = package_source("several/slots.wgsl")
         elif per_layer:
             instance = instance or 0
             source = fillers[instance][1]
@@ -277,6 +275,8 @@ class _Linker:
             if slot in SLOTS and item.name in SLOTS[slot].optional:
                 file = SLOTS[slot].defaults.get(item.name, item.name)
                 return package_source(f"defaults/{file}.wgsl"), None, at
+            if of_all:
+                raise ShaderError(where, f"imports {item.name!r} of a layer, but there are {len(fillers)} layers")
             raise ShaderError(where, f"imports {item.name!r} from slot {slot}, but {source.name} does not define it")
         return source, None if of_all else slot, at
 
@@ -306,7 +306,7 @@ class _Linker:
         return False
 
     def generated_is_layered(self, name: str, what: str) -> bool:
-        return (name, 0, what) in self.generated.names
+        return any((name, layer, what) in self.generated.names for layer in range(max(self.count, 1)))
 
     def global_name(self, name: str, instance: int | None) -> str:
         return name if instance is None else f"{name}_{instance}"

@@ -177,7 +177,7 @@ class SlabTableUniforms:
 
 @dataclass(frozen=True, eq=False)
 class MeshUniforms:
-    """A mesh, the depths between which meshes lie, and which layer of them is drawn: 0 what is opaque, then from the eye on.
+    """A mesh, the depths between which meshes lie, how many layers of them are kept, and whether it is the first of those.
 
     ``stride`` is how many vectors a vertex has: position, normal, and colour if there are three. Triangles are numbered through
     all meshes, from ``first_triangle`` on.
@@ -191,12 +191,13 @@ class MeshUniforms:
     far_world: F32 = param(1.0, unit="world")
     number: U32 = param(0)
     stride: U32 = param(2)
-    layer: U32 = param(0)
     layers: U32 = param(0)
+    is_first: Bool = param(False)
     first_triangle: U32 = param(0)
     triangles: U32 = param(0)
     is_smooth: Bool = param(True)
     is_lit: Bool = param(True)
+    is_opaque: Bool = param(True)
 
 
 @dataclass(frozen=True)
@@ -254,7 +255,6 @@ PASS_RESOURCES: dict[str, str] = {
     "mesh_vertices": "array<vec4f>",
     "mesh_faces": "array<u32>",
     "triangles": "texture_2d<u32>",
-    "peeled_depth": "texture_depth_2d",
     "opaque_depth": "texture_depth_2d",
 }
 READ_ONLY = ("chosen", "clips", "mesh_vertices", "mesh_faces")
@@ -500,14 +500,14 @@ def build_program(key: ProgramKey) -> Program:
     kinds = {"Values": _values_type(key.groups)}
     if several:
         # A value of all layers is that of each, in a chain; which of them hold nothing each looks for by itself.
-        kinds = {"Values": "Fetches_0"} | {f"Values_{i}": _values_type(n) for i, n in enumerate(key.groups_of_layers)}
+        kinds = {f"Values_{i}": _values_type(n) for i, n in enumerate(key.groups_of_layers)}
         constants |= {f"GROUPS_{i}": n for i, n in enumerate(key.groups_of_layers)}
         switches |= {"HAS_EMPTY": "false", "SOME_EMPTY": switches["HAS_EMPTY"]}
         for i in range(len(key.layers)):
             own = {"Values": f"Values_{i}", "GROUPS": f"GROUPS_{i}", "HAS_EMPTY": "SOME_EMPTY"}
             build.names |= {("sizes", i, name): wgsl for name, wgsl in own.items()}
     for name in ("Values", *switches, *constants):
-        build.names["sizes", None, name] = name
+        build.names["sizes", None, name] = "Fetches_0" if name == "Values" and several else name
     structs = {m.struct.name: m.struct for m in uniforms.members if m.struct}
     structs["LightRecord"] = class_struct(LightRecord, "LightRecord")
     structs["ClipRecord"] = class_struct(ClipRecord, "ClipRecord")

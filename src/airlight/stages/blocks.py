@@ -20,8 +20,10 @@ SAME_GRID = 1e-4  # voxels
 ROUNDED = 1.001  # gradients in half floats
 
 
-def block_leaps(stages: Mapping[str, Stage], integrate: Stage, context: Context) -> BlockLeaps | None:
+def block_leaps(stages: Mapping[str, Stage], integrate: Stage, context: Context, moves: bool = False) -> BlockLeaps | None:
     """Return what is asked of the device to pass over blocks that leave the result as it is; None where none is known to.
+
+    ``moves`` tells that values are put right for curvature, and not held on stretches on which nothing is.
 
     Blocks share the values at their faces. So a way through blocks that one variable tells to be empty stays on one stretch of
     its values, and so does a slab from one of its places to another. Where several variables tell, each by itself, or labels
@@ -36,7 +38,6 @@ def block_leaps(stages: Mapping[str, Stage], integrate: Stage, context: Context)
     wanted = ((),) if wanted is None else wanted
     told = {of for alternatives in wanted for of, *_ in alternatives if variable_of(of, stages, context)}
     several = any(len({of for of, *_ in alternatives} & told) > 1 for alternatives in wanted)
-    moves = field.smooth and bool(getattr(transfer, "has_surfaces", False))
     further = step_voxels(context) if several or moves else 0
     known = {of: variable for of in told if (variable := variable_of(of, stages, context, further, moves))}
     empty = tuple(
@@ -65,9 +66,8 @@ def variable_of(
 ) -> BlockVariable | None:
     """Return what is asked of the device for a variable of conditions; None where nothing is known of it.
 
-    A block holds the samples at its faces, those beyond them by which the field reaches in, and so many ``further``. ``moves``:
-    surfaces are told by values that are put right for curvature: moved by a sixth of their distance from the line between their
-    two neighbours on the ray.
+    A block holds the samples at its faces, those beyond them by which the field reaches in, and so many ``further``. Values
+    that curvature ``moves`` are a sixth of their distance from the line between their two neighbours on the ray further off it.
     """
     field, gradient = stages["field"], stages["gradient"]
     assert isinstance(field, Field)
@@ -77,15 +77,14 @@ def variable_of(
     if not isinstance(grid, Grid) or grid.levels:
         return None
     reach, overshoot = max(math.ceil(field.support_voxels) - 1, 0) + further, float(field.overshoot)
-    overshoot += (1 + 2 * overshoot) / 6 if moves else 0.0
     if isinstance(of, int):
-        return BlockRanges(grid, of, reach, overshoot)
+        return BlockRanges(grid, of, reach, overshoot + ((1 + 2 * overshoot) / 6 if moves else 0.0))
     if of != "gradient" or not isinstance(gradient, Gradient) or gradient.reach_voxels is None:
         return None
     # Each component is at most the range of what it is the difference of, since that is at least a voxel wide.
     matrix = context.volume.index_from_world[:3, :3]
-    steepest = max(float(np.linalg.norm(matrix.T @ signs)) for signs in product((-1.0, 1.0), repeat=3))
-    return BlockSlopes(BlockRanges(grid, 0, reach + gradient.reach_voxels), ROUNDED * (1 + 2 * overshoot) * steepest)
+    most = max(float(np.linalg.norm(matrix.T @ signs)) for signs in product((-1.0, 1.0), repeat=3))
+    return BlockSlopes(BlockRanges(grid, 0, reach + gradient.reach_voxels), ROUNDED * (1 + 2 * overshoot) * most)
 
 
 def step_voxels(context: Context) -> int:

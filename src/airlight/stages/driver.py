@@ -62,8 +62,8 @@ class March(Stage):
         """Check the parameters."""
         super().__post_init__()
         whole(self.shift, "driver.march.shift", 0, MOST_SHIFT)
-        whole(self.mesh_layers, "driver.march.mesh_layers", 1)
-        whole(self.clip_layers, "driver.march.clip_layers", 2)
+        whole(self.mesh_layers, "driver.march.mesh_layers", 1, MOST_MESH_LAYERS)
+        whole(self.clip_layers, "driver.march.clip_layers", 2, MOST_CLIP_LAYERS)
 
     def converging(self) -> March:
         """Return the march whose slabs are as long as told."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping
-from numbers import Integral
+from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
@@ -46,6 +46,19 @@ def finite(given: Any, where: str) -> float:
     if not np.isfinite(number):
         raise ValueRangeError(where, f"is {given!r}, must be a finite number")
     return number
+
+
+def number(given: Any, where: str) -> float:
+    """Return a number, finite or not.
+
+    Raises
+    ------
+    ValueRangeError
+        When it is none.
+    """
+    if isinstance(given, (bool, np.bool_)) or not isinstance(given, Real):
+        raise ValueRangeError(where, f"is {given!r}, must be a number")
+    return float(given)
 
 
 def not_negative(given: Any, where: str) -> float:

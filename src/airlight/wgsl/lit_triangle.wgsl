@@ -14,7 +14,7 @@ fn lit_triangle(number: u32, ray: Ray) -> Cover {
   here.p_world = point_of(triangle, share);
   here.t_world = dot(here.p_world - ray.origin_world, ray.direction_world);
   let rgba = vec4f(params.rgb, params.opacity) * colour_of(triangle, share);
-  let alpha = select(rgba.a, 1.0, params.layer == 0u);
+  let alpha = select(rgba.a, 1.0, params.is_opaque != 0u);
   let normal = normal_of(triangle, share);
   here.gradient = -normal;
   let lit = light(here, normal, -ray.direction_world);

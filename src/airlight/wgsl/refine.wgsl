@@ -51,7 +51,7 @@ fn straight(bracket: vec4f, level: f32) -> f32 {
 fn first_root(search: Search, near: vec2f, far: vec2f) -> f32 {
   let rise = first_rise(search, near, far.x);
   var piece = vec2f(rise.piece.x, select(1.0, rise.piece.y, rise.piece.y >= 0.0));
-  for (var i = 0u; i < 10u; i++) {
+  for (var i = 0u; i <= HALVINGS; i++) {
     let middle = 0.5 * (piece.x + piece.y);
     piece = select(vec2f(middle, piece.y), vec2f(piece.x, middle), cubic(rise.c, middle) >= 0.0);
   }
@@ -59,14 +59,15 @@ fn first_root(search: Search, near: vec2f, far: vec2f) -> f32 {
   return mix(rise.begin, rise.end, share);
 }
 
-// A place not behind `t_far` on the other side of the level than `near`, with the value there: where the field turns behind the
-// first root, or the end of its cell. A distance of INFINITE where all are on the same side.
-fn first_beyond(origin_index: vec3f, direction_index: vec3f, near: vec2f, t_far: f32, level: f32) -> vec2f {
-  let rise = first_rise(Search(origin_index, direction_index, level, near.y), near, t_far);
+// A place in a cell on the other side of the level than its ends, with the value there: where the field turns.
+fn beyond_in_cell(origin_index: vec3f, direction_index: vec3f, near: vec2f, far: vec2f, level: f32) -> vec2f {
+  let search = Search(origin_index, direction_index, level, near.y);
   let side = select(1.0, -1.0, near.y >= level);
-  let value = level + side * cubic(rise.c, rise.piece.y);
-  let is_beyond = rise.piece.y >= 0.0 && (value >= level) != (near.y >= level);
-  return vec2f(select(INFINITE, mix(rise.begin, rise.end, rise.piece.y), is_beyond), value);
+  let c = cubic_between(search, side, near.x, side * (near.y - level), far.x, side * (far.y - level));
+  let piece = rising_piece(c);
+  let value = level + side * cubic(c, piece.y);
+  let is_beyond = piece.y >= 0.0 && (value >= level) != (near.y >= level);
+  return vec2f(select(INFINITE, mix(near.x, far.x, piece.y), is_beyond), value);
 }
 
 // Where the field first passes to the other side of the level, or the last cell: distances [world] at which the ray enters and
@@ -91,16 +92,21 @@ fn first_rise(search: Search, near: vec2f, t_far: f32) -> Rise {
     let t_faces = select((face - origin) / direction, vec3f(INFINITE), along);
     end = clamp(min(t_faces.x, min(t_faces.y, t_faces.z)), t, t_far);
     face += select(vec3f(0.0), sign(direction), t_faces <= vec3f(end));
-    let a = side * (scalar_along(search, mix(t, end, 1.0 / 3.0)) - search.level);
-    let b = side * (scalar_along(search, mix(t, end, 2.0 / 3.0)) - search.level);
     let z = side * (scalar_along(search, end) - search.level);
-    c = vec4f(y, -5.5 * y + 9.0 * a - 4.5 * b + z, 9.0 * y - 22.5 * a + 18.0 * b - 4.5 * z, 4.5 * (z - y) + 13.5 * (a - b));
+    c = cubic_between(search, side, t, y, end, z);
     piece = rising_piece(c);
     if (piece.y >= 0.0 || end >= t_far) { break; }
     t = end;
     y = z;
   }
   return Rise(c, piece, t, end);
+}
+
+// The cubic between two places of a cell, by how far values are beyond the level.
+fn cubic_between(search: Search, side: f32, begin: f32, y: f32, end: f32, z: f32) -> vec4f {
+  let a = side * (scalar_along(search, mix(begin, end, 1.0 / 3.0)) - search.level);
+  let b = side * (scalar_along(search, mix(begin, end, 2.0 / 3.0)) - search.level);
+  return vec4f(y, -5.5 * y + 9.0 * a - 4.5 * b + z, 9.0 * y - 22.5 * a + 18.0 * b - 4.5 * z, 4.5 * (z - y) + 13.5 * (a - b));
 }
 
 fn cubic(c: vec4f, u: f32) -> f32 { return c.x + u * (c.y + u * (c.z + u * c.w)); }

@@ -1,8 +1,8 @@
-// Where the rays of pixels meet the triangles that were found there, and in which light.
+// Where the rays of pixels meet the opaque triangles that were found there, and in which light.
 
 import generated::frame::frame;
 import generated::mesh::params;
-import generated::pass::{covers, cover_counts, triangles};
+import generated::pass::{covers, triangles};
 import generated::sizes::{WORKGROUP_X, WORKGROUP_Y};
 import package::cover::COVER_NUMBERS;
 import package::lit_triangle::lit_triangle;
@@ -13,14 +13,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
   if (any(id.xy >= frame.tile_size_px)) { return; }
   let found = textureLoad(triangles, id.xy, 0).xy;
   if (found.x == 0u || found.y != params.number) { return; }
-  // No branch is told by a uniform alone: software devices would compile it anew for each dispatch.
-  if (params.layer > 0u && found.x > 0u) { atomicAdd(&cover_counts[params.layer], 1u); }
-  // The layer behind the last one is counted alone.
-  if (params.layer > params.layers && found.x > 0u) { return; }
   let pixel = frame.tile_origin_px + id.xy;
   let cover = lit_triangle(found.x - 1u, eye_ray(vec2f(pixel) + 0.5));
   let in_band = (pixel.y - frame.band_first_row) * frame.size_px.x + pixel.x;
-  let at = COVER_NUMBERS * (params.layer * frame.size_px.x * frame.band_rows + in_band);
+  let at = COVER_NUMBERS * in_band;
   covers[at] = cover.rgb.r;
   covers[at + 1u] = cover.rgb.g;
   covers[at + 2u] = cover.rgb.b;

@@ -13,7 +13,7 @@ import slot::camera::eye_ray;
 fn main(@builtin(global_invocation_id) id: vec3u) {
   if (any(id.xy >= frame.tile_size_px)) { return; }
   let met = atomicLoad(&fragment_counts[fragment_place(id.xy, 0u)]);
-  if (met > params.layers && params.first_triangle == 0u) { atomicAdd(&cover_counts[params.layers + 1u], 1u); }
+  if (met > params.layers && params.is_first != 0u) { atomicAdd(&cover_counts[params.layers + 1u], 1u); }
   let count = min(met, frame.fragment_slots);
   // No loop ends by a uniform alone: software devices would compile it anew for each dispatch.
   let layers = min(met, params.layers);

@@ -3,7 +3,7 @@
 import next::several::hits::{hit_at as rest_hit_at, nearest as rest_nearest};
 import package::kept::Kept;
 import package::several::ends::{FilledEnds, filled_ends, sample_here};
-import package::several::hit::Hit;
+import package::several::hits_end::Hit;
 import package::several::layer::{Faces, Fetches, Lines};
 import slot::integrate::{begin, finish};
 import slot::met::{shown_surface, take_surface};

@@ -3,8 +3,9 @@
 import package::kept::Kept;
 import package::met::Met;
 import package::ray::INFINITE;
-import package::several::hit::Hit;
 import package::several::layer_end::{Faces, Fetches, Lines};
+
+struct Hit { rgb: vec3f, alpha: f32, t_world: f32, met: Met }
 
 fn nearest(front: Fetches, p_front: vec3f, back: Fetches, p_back: vec3f) -> f32 { return 2.0; }
 

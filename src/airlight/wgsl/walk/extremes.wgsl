@@ -22,7 +22,7 @@ fn begin_walk(line: Line) -> Walk {
   return walk;
 }
 
-// To the last slab, which changes nothing when it is taken again.
+// To the last slab, which is left to be taken; one that ends the ray changes nothing when it is taken again.
 fn walk_on(walk: ptr<function, Walk>, line: Line, acc: ptr<function, Accumulated>) {
   var w = *walk;
   loop {
@@ -32,10 +32,11 @@ fn walk_on(walk: ptr<function, Walk>, line: Line, acc: ptr<function, Accumulated
       w.next = fetch_at(line, w.k);
       w.k += 1.0;
       run += 1u;
+      if (w.next.t_world >= line.leave) { break; }
       let front = sample_of(line, w.front);
       let back = sample_of(line, w.next);
       stops = take(acc, front, back, Slab(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0), vec3f(0.0), back.t_world - front.t_world);
-      if (stops || run >= RUN || w.next.t_world >= line.leave) { break; }
+      if (stops || run >= RUN) { break; }
       w.front = w.next;
     }
     w.samples += f32(run);
