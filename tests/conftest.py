@@ -65,6 +65,7 @@ def core_renderer():
                 return opened()
 
         made._open = lambda: made._device or open_core()
+        made._thread.submit(lambda job: made._open()).result()
         yield made
 
 
