@@ -14,7 +14,7 @@ import numpy.typing as npt
 from .errors import DataError, ValueRangeError
 from .geometry.mesh import Mesh
 from .geometry.saving import SOLID_ENTRIES, solid_from_dict, to_dict
-from .transfer.given import check_names, direction, finite_numbers, flag, kind_of, listed, positive, set_fields
+from .transfer.given import check_names, direction, finite_numbers, flag, kind_of, listed_values, positive, set_fields
 from .volume import FloatArray, checked_affine
 
 Vector = tuple[float, float, float]
@@ -237,11 +237,9 @@ def checked_clips(given: Iterable[Clip], where: str) -> tuple[Clip, ...]:
     DataError
         When something else is among them.
     """
-    clips = listed(given, where, "pass a list: clips=[airlight.Clip.plane(point=..., normal=...)]")
-    for clip in clips:
-        if not isinstance(clip, Clip) or clip.kind not in KINDS:
-            raise DataError(where, f"holds {clip!r}", "make clips with Clip.plane(), .box(), .sphere() or .mesh()")
-    return clips
+    listing = "pass a list: clips=[airlight.Clip.plane(point=..., normal=...)]"
+    making = "make clips with Clip.plane(), .box(), .sphere() or .mesh()"
+    return listed_values(given, tuple(KINDS.values()), where, listing, making)
 
 
 def _rows(matrix: Any) -> tuple[Row, ...] | None:

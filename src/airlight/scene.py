@@ -29,7 +29,7 @@ from .stages.transfer import Transfer
 from .transfer import TransferFunction, linear_rgb
 from .transfer.channels import Channels
 from .transfer.colour import MOST_COLOUR, Colour
-from .transfer.given import listed, not_negative, set_fields, whole
+from .transfer.given import listed, listed_values, not_negative, set_fields, whole
 from .transfer.joint import JointFunction
 from .transfer.kinds import AnyFunction, DrawnFunction, as_function, channels_of, drawn_function
 from .volume import FloatArray, Volume, statistics
@@ -301,8 +301,9 @@ class Scene:
             raise ValueRangeError("scene.camera", f"is {camera!r}, must be a Camera or one of {', '.join(VIEWS)}")
         object.__setattr__(self, "layers", layers)
         object.__setattr__(self, "camera", camera)
-        given_lights = (Light.head(),) if lights is None else listed(lights, "scene.lights", "pass lights=[light]")
-        object.__setattr__(self, "lights", given_lights)
+        making = "make lights with Light.head(), .directional() or .point()"
+        given_lights = [Light.head()] if lights is None else lights
+        object.__setattr__(self, "lights", listed_values(given_lights, Light, "scene.lights", "pass lights=[light]", making))
         if background is not None and not isinstance(background, Environment):
             background = linear_rgb(background, "scene.background", MOST_COLOUR)
         object.__setattr__(self, "background", background)
@@ -312,9 +313,6 @@ class Scene:
         for mesh in meshes:
             if not isinstance(mesh, Mesh | Lines | Points):
                 raise DataError("scene.meshes", f"holds a {type(mesh).__name__}", "make it an airlight.Mesh, Lines or Points")
-        for light in self.lights:
-            if not isinstance(light, Light):
-                raise DataError("scene.lights", f"holds {light!r}", "make lights with Light.head(), .directional() or .point()")
         if not self.layers and not meshes:
             raise DataError("scene.layers", "is empty", "pass at least one Layer")
 

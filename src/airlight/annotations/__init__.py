@@ -6,8 +6,8 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from ..errors import DataError, ValueRangeError
-from ..transfer.given import check_names, kind_of, listed
+from ..errors import ValueRangeError
+from ..transfer.given import check_names, kind_of, listed_values
 from .axes import Axes as Axes
 from .axes import Orientation as Orientation
 from .base import Annotation as Annotation
@@ -44,9 +44,5 @@ def checked_annotations(given: Iterable[Annotation], where: str) -> tuple[Annota
     DataError
         When something else is among them.
     """
-    found = listed(given, where, "pass a list: annotations=[airlight.ScaleBar()]")
-    for one in found:
-        if not isinstance(one, Annotation):
-            names = ", ".join(cls.__name__ for cls in KINDS.values())
-            raise DataError(where, f"holds {one!r}", f"make annotations with {names}")
-    return found
+    making = f"make annotations with {', '.join(cls.__name__ for cls in KINDS.values())}"
+    return listed_values(given, Annotation, where, "pass a list: annotations=[airlight.ScaleBar()]", making)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -40,13 +40,24 @@ def pipeline_of(device: Device, program: Program) -> Pipeline:
 
 
 def _compile(device: Device, program: Program) -> Pipeline:
-    layouts = layouts_of(device, program, wgpu.ShaderStage.COMPUTE)
+    def make(module: Any, layout: Any) -> Any:
+        return device.gpu.create_compute_pipeline(layout=layout, compute={"module": module, "entry_point": "main"})
+
+    return compiled(device, program, wgpu.ShaderStage.COMPUTE, make)
+
+
+def compiled(device: Device, program: Program, seen_by: int, make: Callable[[Any, Any], Any]) -> Pipeline:
+    """Compile a program for stages of a pipeline; ``make`` is given its module and the layout of its bind groups.
+
+    Raises
+    ------
+    ShaderError
+        With file and line of the WGSL at fault, and the compiler's words.
+    """
+    layouts = layouts_of(device, program, seen_by)
     try:
         module = device.gpu.create_shader_module(code=program.linked.text)
-        pipeline = device.gpu.create_compute_pipeline(
-            layout=device.gpu.create_pipeline_layout(bind_group_layouts=layouts),
-            compute={"module": module, "entry_point": "main"},
-        )
+        pipeline = make(module, device.gpu.create_pipeline_layout(bind_group_layouts=layouts))
     except wgpu.GPUError as error:
         raise shader_error(program, str(error)) from error
     return Pipeline(program, pipeline, layouts)

@@ -12,7 +12,7 @@ import wgpu
 
 from ..errors import LimitError
 from ..shader.program import Program
-from .compute import Pipeline, bind_groups, layouts_of, shader_error
+from .compute import Pipeline, bind_groups, compiled
 from .device import Device
 
 FOUND_FORMAT = "rg32uint"
@@ -124,13 +124,12 @@ def render_pipeline(device: Device, program: Program) -> Pipeline:
 
 
 def _compile(device: Device, program: Program) -> Pipeline:
-    layouts = layouts_of(device, program, wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
     draws = "fragments" not in program.key.outputs  # what is gathered is written into buffers
     corner = {"array_stride": 12, "attributes": [{"format": "float32x3", "offset": 0, "shader_location": 0}]}
-    try:
-        module = device.gpu.create_shader_module(code=program.linked.text)
-        pipeline = device.gpu.create_render_pipeline(
-            layout=device.gpu.create_pipeline_layout(bind_group_layouts=layouts),
+
+    def make(module: Any, layout: Any) -> Any:
+        return device.gpu.create_render_pipeline(
+            layout=layout,
             vertex={"module": module, "entry_point": "at_corner", "buffers": [corner]},
             primitive={"topology": "triangle-list", "cull_mode": "none"},
             depth_stencil={
@@ -140,9 +139,8 @@ def _compile(device: Device, program: Program) -> Pipeline:
             },
             fragment={"module": module, "entry_point": "nearest", "targets": [{"format": FOUND_FORMAT}] if draws else []},
         )
-    except wgpu.GPUError as error:
-        raise shader_error(program, str(error)) from error
-    return Pipeline(program, pipeline, layouts)
+
+    return compiled(device, program, wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT, make)
 
 
 def bound(device: Device, pipeline: Pipeline, triangles: Triangles, resources: Mapping[str, Any]) -> Drawn:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ValueRangeError
+from ..errors import DataError, ValueRangeError
 
 ROUNDING = 1e-12  # of the length of a direction
 
@@ -29,6 +29,23 @@ def listed(given: Any, where: str, remedy: str) -> tuple[Any, ...]:
     if parts is None:
         raise ValueRangeError(where, f"is {given!r}, must be a list", remedy)
     return tuple(parts)
+
+
+def listed_values(given: Any, kinds: type | tuple[type, ...], where: str, listing: str, making: str) -> tuple[Any, ...]:
+    """Return the parts of a list of values of these kinds; the remedies tell how it is listed, and how they are made.
+
+    Raises
+    ------
+    ValueRangeError
+        When it has no parts.
+    DataError
+        When something else is among them.
+    """
+    parts = listed(given, where, listing)
+    for part in parts:
+        if not isinstance(part, kinds):
+            raise DataError(where, f"holds {part!r}", making)
+    return parts
 
 
 def finite(given: Any, where: str) -> float:
