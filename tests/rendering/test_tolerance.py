@@ -11,7 +11,7 @@ import pytest
 from scenes import blobs, cameras, function, lights, rotation
 
 import airlight as al
-import airlight.rendering.renderer
+import airlight.rendering.refining
 import airlight.rendering.tolerance
 from airlight import reference
 from airlight.rendering.budget import LADDER, Cost, _chosen, enlarged, scaled
@@ -238,8 +238,8 @@ def test_a_new_frame_of_a_view_ends_the_iteration_and_is_drawn(renderer):
 
 def test_work_begins_anew_on_another_device(monkeypatch):
     """Where one is lost, between two images, the next is drawn on another."""
-    monkeypatch.setattr(airlight.rendering.renderer, "better_and_better", lambda device, *_: iter([device, device]))
-    work = airlight.rendering.renderer._Refinement((None, None))
+    monkeypatch.setattr(airlight.rendering.refining, "better_and_better", lambda device, *_: iter([device, device]))
+    work = airlight.rendering.refining.Refinement((None, None))
     assert [work.next(device, lambda: None, lambda *_: None) for device in "aabb"] == list("aabb")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from ..first_picture import resolve
 from ..gpu.device import Device
@@ -17,6 +17,51 @@ from .tolerance import check_tones, levels
 
 FIRST_PICTURES = ((0.25, 2.0), (0.5, 2.0), (1.0, 1.0))
 """Scale and step [voxels] of what is shown before errors are estimated."""
+
+
+def silent(_what: str, _done: int, _total: int) -> None:
+    """Tell nobody of progress."""
+
+
+@dataclass(eq=False)
+class _Asked:
+    """Whoever asks for the next image of a refinement: what may raise between tiles, and is told of progress."""
+
+    check: Callable[[], None] = lambda: None
+    progress: Progress = silent
+
+
+class Refinement:
+    """Images of one scene that get better, as far as they are; advanced on the render thread alone.
+
+    ``reader`` is the iteration that they are for.
+    """
+
+    def __init__(self, what: tuple[Scene, Request]) -> None:
+        self.what = what
+        self.last: Image | None = None
+        self.reader: object = None
+        self._device: Device | None = None
+        self._images: Iterator[Image] | None = None
+        self._asked = _Asked()  # a value of its own: images that lead back to here would be a ring, which keeps volumes
+
+    def next(self, device: Device, check: Callable[[], None], progress: Progress) -> Image | None:
+        """Return the next image, None behind the last. Work that is given up, or whose device is lost, begins anew."""
+        asked = self._asked
+        if self._images is None or self._device is not device:
+            self._device = device
+            self._images = better_and_better(device, *self.what, lambda: asked.check(), lambda *told: asked.progress(*told))
+        asked.check, asked.progress = check, progress
+        try:
+            self.last = next(self._images)
+        except StopIteration:
+            return None
+        except BaseException:
+            self._images = self.last = None
+            raise
+        finally:
+            asked.check, asked.progress = lambda: None, silent
+        return self.last
 
 
 def better_and_better(

@@ -7,7 +7,6 @@ import threading
 import weakref
 from collections.abc import Callable, Hashable, Iterator
 from concurrent.futures import CancelledError, Future
-from dataclasses import dataclass
 from typing import Any
 
 from ..gpu.device import Device, open_device
@@ -21,13 +20,9 @@ from ..transfer.given import check_size, number, whole
 from .budget import draw_in_time
 from .frame import Request, draw, explain, relight
 from .image import Image
-from .refining import better_and_better
+from .refining import Refinement, silent
 from .tolerance import draw_within
 from .warming import scenes_near
-
-
-def _silent(_what: str, _done: int, _total: int) -> None:
-    pass
 
 
 class _Held:
@@ -46,47 +41,6 @@ class _Held:
         """Give up what belonged to volumes, labels and tables that are gone."""
         if self.device is not None:
             self.device.kept.forget_released()
-
-
-@dataclass(eq=False)
-class _Asked:
-    """Whoever asks for the next image of a refinement: what may raise between tiles, and is told of progress."""
-
-    check: Callable[[], None] = lambda: None
-    progress: Progress = _silent
-
-
-class _Refinement:
-    """Images of one scene that get better, as far as they are; advanced on the render thread alone.
-
-    ``reader`` is the iteration that they are for.
-    """
-
-    def __init__(self, what: tuple[Scene, Request]) -> None:
-        self.what = what
-        self.last: Image | None = None
-        self.reader: object = None
-        self._device: Device | None = None
-        self._images: Iterator[Image] | None = None
-        self._asked = _Asked()  # a value of its own: images that lead back to here would be a ring, which keeps volumes
-
-    def next(self, device: Device, check: Callable[[], None], progress: Progress) -> Image | None:
-        """Return the next image, None behind the last. Work that is given up, or whose device is lost, begins anew."""
-        asked = self._asked
-        if self._images is None or self._device is not device:
-            self._device = device
-            self._images = better_and_better(device, *self.what, lambda: asked.check(), lambda *told: asked.progress(*told))
-        asked.check, asked.progress = check, progress
-        try:
-            self.last = next(self._images)
-        except StopIteration:
-            return None
-        except BaseException:
-            self._images = self.last = None
-            raise
-        finally:
-            asked.check, asked.progress = lambda: None, _silent
-        return self.last
 
 
 class Renderer:
@@ -118,7 +72,7 @@ class Renderer:
         self._wanted = None if device is None else str(device)
         self._keep_bytes = None if keep_bytes is None else whole(keep_bytes, "keep_bytes", 0)
         self._held = _Held()
-        self._refined: dict[Hashable, _Refinement] = {}
+        self._refined: dict[Hashable, Refinement] = {}
         self._lock = threading.Lock()  # of what is refined: a frame of a view and the end of its iteration are one
         self._thread = RenderThread(idle=self._held.tidy)
         # Whoever forgets to close a renderer does not keep its thread and device for ever.
@@ -206,11 +160,11 @@ class Renderer:
         with self._lock:
             work = self._refined.get(own)
             if work is None or work.what != (scene, request):
-                work = self._refined[own] = _Refinement((scene, request))
+                work = self._refined[own] = Refinement((scene, request))
             work.reader = reader
 
         def next_image(job: Job[Image | None]) -> Image | None:
-            return self._guarded(job, lambda device: work.next(device, job.check, progress or _silent))
+            return self._guarded(job, lambda device: work.next(device, job.check, progress or silent))
 
         try:
             if work.last is not None:
@@ -234,7 +188,7 @@ class Renderer:
         """Light the surfaces of an image again, without a march; see ``airlight.relight``."""
 
         def work(job: Job[Image]) -> Image:
-            return self._guarded(job, lambda device: relight(device, image, scene, job.check, progress or _silent))
+            return self._guarded(job, lambda device: relight(device, image, scene, job.check, progress or silent))
 
         return self._thread.submit(work).result()
 
@@ -259,7 +213,7 @@ class Renderer:
         with self._lock:
             self._refined.pop(view, None)
             return self._thread.submit(
-                lambda job: self._guarded(job, lambda device: way(device, scene, request, job.check, progress or _silent)), view
+                lambda job: self._guarded(job, lambda device: way(device, scene, request, job.check, progress or silent)), view
             )
 
     @property
