@@ -49,7 +49,7 @@ TURNS = {PIECES: 1 << 24, INTERVALS: 1 << 26, HOISTED: 1 << 26, HOIST: 1 << 26}
 def main(argv: list[str] | None = None) -> int:
     """Measure, print, write; 1 when a bar is missed."""
     parser = arguments(__doc__, "tables", repeats=9, clock="what decides: cpu where others are busy")
-    parser.add_argument("--picture", type=Path, help="PNG of the fast form's error (needs matplotlib)")
+    parser.add_argument("--pictures", type=Path, help="folder for plots of time and the fast form's error (needs matplotlib)")
     options = parser.parse_args(argv)
     sizes = (32, 64) if options.quick else (32, 64, 128, 256, 512, 1024, 2048, 4096)
     device = Device(*choose(), core=False)
@@ -65,8 +65,8 @@ def main(argv: list[str] | None = None) -> int:
     for name in ("lengths", "edit", "host_float64"):
         print(f"\n{name}\n" + table([summary(row, options.clock) for row in results[name]]))
     print("\nfast form: greatest error of a colour\n" + table(results["fast_form"]))
-    if options.picture:
-        draw(results["fast_form"], options.picture)
+    if options.pictures:
+        draw(results, options.pictures)
     missed = [text for row in rows for text in bars(row, options.clock)]
     print("\n" + ("\n".join(missed) or "all bars are met"))
     write_json(options.out, results | {"missed": missed})
@@ -279,22 +279,35 @@ def summary(row: dict[str, Any], clock: str) -> dict[str, Any]:
     return {k: v for k, v in row.items() if not k.endswith("_ms")} | {f"ms ({clock})": middle(row, clock)}
 
 
-def draw(rows: list[dict[str, float]], path: Path) -> None:
-    """Plot the fast form's error over the depth of slabs."""
+def draw(results: dict[str, Any], folder: Path) -> None:
+    """Plot time over entries beside the paper's, and the fast form's error over the depth of slabs."""
     try:
         from matplotlib import pyplot
     except ImportError:
-        print("no picture: matplotlib is not installed", file=sys.stderr)
+        print("no pictures: matplotlib is not installed", file=sys.stderr)
         return
-    depth, *names = rows[0]
+    folder.mkdir(parents=True, exist_ok=True)
     figure, axes = pyplot.subplots(figsize=(6, 4), layout="constrained")
+    clock, sizes = results["clock"], results["sizes"]
+    for name, label in (("plain", "plain"), ("weighted", "weighted"), ("pieces", "brute force")):
+        known = [row for row in sizes if name in row]
+        axes.loglog([row["entries"] for row in known], [middle(row[name], clock) for row in known], marker=".", label=label)
+    for number, label in enumerate(("brute force", "incremental")):
+        times = [1e3 * seconds[number] for seconds in PAPER.values()]
+        axes.loglog(list(PAPER), times, color="grey", linestyle=("--", ":")[number], label=f"{label}, Lum et al. 2004")
+    axes.set(xlabel="entries a side", ylabel=f"{clock} [ms]", title="Making a table")
+    axes.legend()
+    figure.savefig(folder / "cost.png", dpi=80)
+
+    figure, axes = pyplot.subplots(figsize=(6, 4), layout="constrained")
+    rows = results["fast_form"]
+    depth, *names = rows[0]
     for name in names:
         axes.loglog([row[depth] for row in rows], [max(row[name], 1e-7) for row in rows], label=name)
-    axes.axhline(1 / 255, color="grey", linestyle=":", label="1/255")
+    axes.axhline(1 / 512, color="grey", linestyle=":", label="1/512")
     axes.set(xlabel=depth, ylabel="greatest error of a colour", title="Without attenuation inside slabs")
     axes.legend()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=120)
+    figure.savefig(folder / "fast-form.png", dpi=80)
 
 
 if __name__ == "__main__":

@@ -550,6 +550,64 @@ LAYERED = (
     ),
 )
 
+BRIGHT = (
+    *("--preset", "ct_skin", "--field", "bspline", "--gradient", "analytic", "--camera", "380,560,150,122,125,75"),
+    *("--light", "directional:to_light=[0.2,1,1],intensity=1.2", "--light", "head:intensity=0.15"),
+    *("--shade", "blinn_phong:ambient=0.04,diffuse=0.9,specular=9,shininess=25"),
+)
+DYNAMIC = (
+    Entry("hdr-linear", "ct_head.nrrd", "highlights far too bright, shown as they come: burnt out", BRIGHT),
+    Entry(
+        "hdr-reinhard",
+        "ct_head.nrrd",
+        "the same light brought back (Vollrath, Weiskopf and Ertl, figure 6): the forehead round again, its highlight soft",
+        (*BRIGHT, "--tone", "reinhard:key=0.3,white=30"),
+    ),
+    Entry(
+        "hdr-reinhard-local",
+        "ct_head.nrrd",
+        "the same by what lies round each pixel: relief of the skin within the highlight, no halos round the head",
+        (*BRIGHT, "--tone", "reinhard_local:key=0.3,white=30"),
+    ),
+    Entry(
+        "hdr-filmic",
+        "ct_head.nrrd",
+        "the same as on film: darker shadows, stronger colours, highlights that run into white",
+        (*BRIGHT, "--tone", "filmic:key=0.25"),
+    ),
+)
+
+HEAD_FROM_ASIDE = ("--preset", "ct_bone", "--camera", "380,560,150,122,125,75")
+PASSED = (
+    Entry(
+        "pass-outlines",
+        "ct_head.nrrd",
+        "a skull in its box, outlines of every 16th slice on all faces; those behind it hidden by it",
+        (
+            *(*HEAD_FROM_ASIDE, "--driver", "slices", "--pass", "bounding_box"),
+            *("--pass", "slice_outlines:every=16,color=[0.1,0.4,1]"),
+        ),
+    ),
+    Entry(
+        "pass-edges",
+        "ct_head.nrrd",
+        "the skull drawn in ink: dark lines along its outlines and where depth jumps within it",
+        (
+            *(*HEAD_FROM_ASIDE, "--plugin", "examples/edge_overlay.py", "--pass", "edge_overlay:bend=0.015"),
+            *("--background", "white"),
+        ),
+    ),
+    Entry(
+        "pass-depth-of-field",
+        "ct_head.nrrd",
+        "the jaw of the skull sharp, the back of it and the holder soft",
+        (
+            *(*HEAD_FROM_ASIDE, "--plugin", "examples/depth_of_field.py"),
+            *("--pass", "depth_of_field:focus=440,aperture=50"),
+        ),
+    ),
+)
+
 NOTED = ("--scale-bar", "--color-bar", "--grid", "--camera", "iso", "--size", "640x480")
 ANNOTATED = (
     Entry(
@@ -572,6 +630,112 @@ ANNOTATED = (
     ),
 )
 
+FACE = ("--crop", "48:210,75:,:", "--camera", "122,560,110,122,120,82,0,0,1", "--light", "directional:to_light=[1,0.8,0.7]")
+SKULL = ("--tf", "150:#e6d9bf:0 400:#e6d9bf:1", *FACE, "--shade", "blinn_phong:ambient=0.12,diffuse=0.9,two_sided=false")
+JELLY = (
+    *("--tf", "-150:#ff5a3c:0 -60:#ff5a3c:0.015 180:#ff5a3c:0.02 300:#b8ac98:0.8", *FACE),
+    *("--shade", "blinn_phong:ambient=0.1,diffuse=1.4,specular=0.1,two_sided=false"),
+)
+SHADOWED = (
+    Entry("shadow-volume-none", "ct_head.nrrd", "light from the left without shadows: eye sockets and nose lit inside", SKULL),
+    Entry(
+        "shadow-volume",
+        "ct_head.nrrd",
+        "the same with the shadow volume as it is unless told: soft shadows of brow, nose and cheek on the right of each",
+        (*SKULL, "--visibility", "shadow_volume"),
+    ),
+    *(
+        Entry(
+            f"shadow-volume-{cells}",
+            "ct_head.nrrd",
+            f"{cells} cells: {see}",
+            (*SKULL, "--visibility", f"shadow_volume:cells={cells},bias=2"),
+        )
+        for cells, see in (
+            (16, "light leaks into the sockets, and what is lit is too dark"),
+            (32, "sockets dark, their borders washed out"),
+            (64, "the shadow of the nose to be seen"),
+            (128, "shadows with borders, the forehead bright"),
+        )
+    ),
+    Entry(
+        "shadow-volume-grey",
+        "ct_head.nrrd",
+        "red flesh round bone, grey shadows: bone behind flesh dim",
+        (*JELLY, "--visibility", "shadow_volume"),
+    ),
+    Entry(
+        "shadow-volume-tint",
+        "ct_head.nrrd",
+        "the same, red light let through: bone behind flesh warm and brighter",
+        (*JELLY, "--visibility", "shadow_volume:tint=0.8"),
+    ),
+)
+
+WAX = (
+    *("--tf", "-150:#ffc890:0 -60:#ffc890:0.08 180:#ffc890:0.12 300:#fff0d0:0.9", *FACE[:4]),
+    *("--shade", "phase:ambient=0.02", "--light", "directional:to_light=[0.9,-0.2,0.5],intensity=1.6"),
+)
+SPOT = "spot:position=[200,600,220],target=[122,180,92],angle_deg=11"
+SWEPT = (
+    Entry(
+        "half-angle",
+        "ct_head.nrrd",
+        "light from the left: sharp shadows of brow, nose and cheek, sockets dark",
+        (*SKULL, "--driver", "half_angle"),
+    ),
+    Entry(
+        "half-angle-spot",
+        "ct_head.nrrd",
+        "a spot light on brow and sockets, soft at its edge, the rest in a little ambient light",
+        (*SKULL[:2], *FACE[:4], *SKULL[-2:], "--light", SPOT, "--driver", "half_angle"),
+    ),
+    Entry(
+        "half-angle-opaque",
+        "ct_head.nrrd",
+        "wax lit from the left and a little from behind: the far side black",
+        (*WAX, "--transport", "opaque"),
+    ),
+    Entry(
+        "half-angle-translucent",
+        "ct_head.nrrd",
+        "the same translucent: light goes on where it was scattered, red where it has gone far",
+        (*WAX, "--transport", "translucent:scatter=0.95"),
+    ),
+)
+
+JET = (
+    *("--tf", "20:#2050a0:0 40:#40a0ff:0.02 60:#40a0ff:0 90:#ffd040:0.06 120:#ffd040:0.01 180:#ff4020:0.4 255:#ffffff:1"),
+    *("--shade", "none", "--transfer", "postclassified"),
+)
+BEFORE, BEHIND = ("--camera", "54.1,-55.7,10,-0.5,0,-0.5"), ("--camera", "55.2,-54.6,10,-0.5,0,-0.5")
+SLICED = (
+    Entry(
+        "slices-object-before",
+        "fuel.nii.gz",
+        "a jet of fuel, slices across its length: steps at its end on the left",
+        (*JET, *BEFORE, "--driver", "object_slices"),
+    ),
+    Entry(
+        "slices-object-behind",
+        "fuel.nii.gz",
+        "the eye a degree further: another stack, and the grain of its slices on the right (Engel and Ertl, figure 13)",
+        (*JET, *BEHIND, "--driver", "object_slices"),
+    ),
+    Entry(
+        "slices-object-uncorrected",
+        "fuel.nii.gz",
+        "the same with slabs as long as layers are apart: more of it gets through",
+        (*JET, *BEHIND, "--driver", "object_slices:corrects=false"),
+    ),
+    Entry(
+        "slices-stripes",
+        "fuel.nii.gz",
+        "the same by stripes over a single stack: no grain, and no jump",
+        (*JET, *BEHIND, "--driver", "stripes"),
+    ),
+)
+
 SECTIONS = {
     "First pictures": (FIRST, "Chosen from the data alone."),
     "Labels": (LABELLED, "Regions of a second volume, beside the image."),
@@ -580,12 +744,17 @@ SECTIONS = {
     "Channels": (CHANNELS, "Several channels in one place: extinctions add, colours are weighted by extinction."),
     "Joint functions": (JOINT, "Functions of several variables, histograms to draw them on, and functions made of the data."),
     "Filters": (FILTERS, "Values between voxels, magnified."),
+    "High dynamic range": (DYNAMIC, "Light that no display can show, and three ways to show it: see the guide."),
+    "Shadow volumes": (SHADOWED, "Light from one side: without shadows, and by finer and finer cells."),
+    "Half-angle slices": (SWEPT, "Shadows of a light that passes the volume with the slices."),
     "Environments": (ENVIRONMENTS, "Light from all directions, and what is seen behind."),
     "Cameras": (CAMERAS, "From inside, all round, and for two eyes."),
     "Surfaces": (SURFACES, "Surfaces of equal value: sheets without width, each side in its own colour."),
     "Meshes": (MESHES, "Surfaces of triangles among volumes, in right order."),
     "Layers": (LAYERED, "Several volumes, each in its own place and on its own grid."),
     "Annotations": (ANNOTATED, "What helps to read a picture: scale bar, colour bar, grid, axes, letters, pointer."),
+    "Slices": (SLICED, "Slices of the grid, just before and behind where another axis faces the eye, and what mends them."),
+    "Passes": (PASSED, "Made of the finished picture: two of the package, two from files of their own."),
     "Clips": (CLIPS, "Planes, boxes and spheres, of which one side is drawn."),
 }
 ENTRIES = tuple(entry for entries, _ in SECTIONS.values() for entry in entries)
@@ -744,7 +913,7 @@ def stacked(paths: list[Path]) -> Any:
 
 
 def keep(picture: Path, target: Path) -> None:
-    """Store a picture with few colours and well packed: the whole gallery stays below 4 MB."""
+    """Store a picture with few colours and well packed: the whole gallery stays below 6 MB."""
     from PIL import Image
 
     with Image.open(picture) as image:

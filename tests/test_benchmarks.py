@@ -109,6 +109,19 @@ def test_occlusion(benchmark_named, tmp_path):
     assert default < fewest < 0.1
 
 
+def test_shadow_volume(benchmark_named, tmp_path):
+    found = run(benchmark_named("shadow_volume"), tmp_path / "out.json")
+    error = {(row["by"], row["cells"]): row["rms"] for row in found["errors"] if row["bias"] != "a cell"}
+    assert error["sweep", 32] < error["sweep", 16] < error["no shadows", None]
+    assert {row["by"] for row in found["times"]} == {"sweep", "rays"}
+
+
+def test_shadows(benchmark_named, tmp_path):
+    found = run(benchmark_named("shadows"), tmp_path / "out.json")
+    assert {row["light at [degrees]"] for row in found["ratios"]} == {20, 60, 120, 160}
+    assert all(row["MB"] > 0 and row["ms"] > 0 for row in found["buffers"])
+
+
 def test_environments(benchmark_named, tmp_path):
     found = run(benchmark_named("environments"), tmp_path / "out.json")
     assert found["furnace"] <= 1e-3
@@ -145,3 +158,26 @@ def test_skipping(benchmark_named, tmp_path):
     found = run(benchmark_named("skipping"), tmp_path / "out.json")
     assert all(row["apart x255"] <= 1 for row in found["scenes"])
     assert next(bar for bar in found["bars"] if bar["bar"] == "tree: steps a ray")["met"]
+
+
+def test_tones(benchmark_named, tmp_path):
+    rows = run(benchmark_named("tones"), tmp_path / "out.json")["rows"]
+    assert [row["tone"] for row in rows] == 2 * ["linear", "reinhard", "reinhard_local", "filmic"]
+    assert all((row["surround ms"] > 0) == (row["tone"] == "reinhard_local") for row in rows)
+
+
+def test_proxies(benchmark_named, tmp_path):
+    made = {row["geometry"]: row["made of it"] for row in run(benchmark_named("proxies"), tmp_path / "out.json")["rows"]}
+    assert made["slices"] == made["slices by plain clipping"]
+
+
+def test_slices(benchmark_named, tmp_path):
+    found = run(benchmark_named("slices"), tmp_path / "out.json")
+    drivers = {row["driver"]: row for row in found["drivers"]}
+    assert all(row["rmse x255"] < 1 for row in drivers.values())
+    assert drivers["object_slices"]["Msamples"] < drivers["interpolated_slices"]["Msamples"]
+    held = {row["driver"]: row["MB"] for row in found["bytes"]}
+    assert held["object_slices"] == 3 * held["stripes"] == 3 * held["march"]
+    oblique = next(row for row in found["turning"] if row["degrees"] == 44.9)
+    assert oblique["not corrected: opacity"] < 0.9 < oblique["corrected: opacity"]
+    assert oblique["corrected: change x255"] > 2 * oblique["stripes: change x255"]

@@ -33,6 +33,12 @@ EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 BLOCK = re.compile(r"^```(?P<kind>[^\n]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\((?P<target>[^)\s]+)\)")
 FILE = re.compile(r"`(?P<path>[\w.-]+/[\w./-]+\.(?:py|wgsl|md|toml|png))(?::\d+)?`")
+# Files of stages from outside the package: slot and name of the stage, and the page that has the text.
+OWN = {
+    "own_stage": ("shade", "rim", "your-own-stage.md"),
+    "edge_overlay": ("passes", "edge_overlay", "own-passes.md"),
+    "depth_of_field": ("passes", "depth_of_field", ""),
+}
 PARSED_ONLY = ("demo", "bench")  # these take the network, or time
 DECISION = ("Status", "Why", "Choice", "Rejected", "How tested")
 
@@ -79,7 +85,8 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     tifffile.imwrite(folder / "cells.ome.tif", (cells * 255).astype(np.uint8), metadata={"axes": "ZCYX"})
     with h5py.File(folder / "simulation.h5", "w") as file:
         file["fields/density"] = ball
-    shutil.copy(ROOT / "examples" / "own_stage.py", folder)
+    for name in OWN:
+        shutil.copy(ROOT / "examples" / f"{name}.py", folder)
     return folder
 
 
@@ -123,8 +130,9 @@ def test_blocks_run_in_order(page: Path, here: Path, plain_stages: None, capsysb
                 if words[0] in PARSED_ONLY:
                     cli.make_app(words[0]).parse_args(words, exit_on_error=False, print_error=False)
                     continue
-                STAGES["shade"].pop("rim", None)  # a process of its own would not know it yet
-                sys.modules.pop("airlight_plugin_own_stage", None)
+                for name, (slot, stage, _) in OWN.items():  # a process of its own would not know them yet
+                    STAGES[slot].pop(stage, None)
+                    sys.modules.pop(f"airlight_plugin_{name}", None)
                 assert cli.main(words) == 0, f"{shlex.join(words)}: {capsysbinary.readouterr().err!r}"
 
 
@@ -252,11 +260,14 @@ def test_examples_say_what_you_should_see(path: Path, plain_stages: None) -> Non
     assert "You should see" in (example(path).__doc__ or "")
 
 
-def test_own_stage_is_the_text_of_the_guide() -> None:
-    text = (ROOT / "examples" / "own_stage.py").read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", OWN)
+def test_stages_of_ones_own_are_short_and_the_text_of_the_guide(name: str) -> None:
+    text = (ROOT / "examples" / f"{name}.py").read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 40
-    first = next(b for b in blocks(DOCS / "guide" / "your-own-stage.md") if b.kind == "python")
-    assert first.text == text, "copy examples/own_stage.py into docs/guide/your-own-stage.md"
+    page = OWN[name][2]
+    if page:
+        first = next(b for b in blocks(DOCS / "guide" / page) if b.kind == "python")
+        assert first.text == text, f"copy examples/{name}.py into docs/guide/{page}"
 
 
 def test_fly(tmp_path: Path, plain_stages: None) -> None:

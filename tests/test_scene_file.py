@@ -86,6 +86,8 @@ def values_of(draw: st.DrawFn, bounds: Any, hint: Any) -> Any:
     kind = next(k for k in kinds if k is not type(None))
     if kind is Environment:
         return draw(environments)
+    if isinstance(kind, type) and issubclass(kind, Stage):
+        return draw(stages_of(kind.slot))
     if kind is bool:
         return draw(st.booleans())
     if kind is int:
@@ -398,7 +400,7 @@ integrate = "mip"
         ("[[layers]]\nvolume='a.nrrd'\n[render]\nplugin='x'", r"scene.toml:4: render.plugin is unknown"),
         (
             "[[layers]]\nvolume='a.nrrd'\n[render]\ndriver='x'",
-            r"scene.toml:4: render.driver: driver is 'x', must be one of march",
+            r"scene.toml:4: render.driver: driver is 'x', must be one of half_angle",
         ),
         ("format=2\n[[layers]]\nvolume='a.nrrd'", r"scene.toml:1: format is 2"),
         ("", r"scene.layers is empty"),

@@ -76,7 +76,9 @@ def stage_rows(name: str, cls: type[Stage]) -> list[tuple[str, ...]]:
 
 def _allowed(field: dataclasses.Field[Any]) -> str:
     kind = type(field.default)
-    if field.metadata["kind"] == "value" and kind not in (int, str):
+    if isinstance(field.default, Stage):
+        return f"a stage of [{kind.slot}]({kind.slot}.md)"
+    if field.metadata["kind"] == "value" and kind not in (int, float, str):
         return f"`al.{kind.__name__}`"
     if kind is str and not field.metadata["bounds"].choices:
         return "a name"

@@ -29,7 +29,22 @@ from .geometry import Lines, Mesh, Points
 from .labels import Labels, LabelStyle
 from .scene import Camera, Layer, Light, Look, Scene, fit_camera
 from .stage import F32, I32, U32, Bool, Stage, Vec2f, Vec3f, Vec4f, param, register, static
-from .stages import camera, driver, field, gradient, integrate, lighting, modulation, shade, tone, transfer, visibility
+from .stages import (
+    camera,
+    driver,
+    field,
+    gradient,
+    integrate,
+    lighting,
+    modulation,
+    passes,
+    shade,
+    tone,
+    transfer,
+    transport,
+    visibility,
+)
+from .stages.passes import Pass
 from .transfer import Channel, Channels, JointFunction, Surface, TransferFunction
 from .volume import Volume, statistics
 
@@ -74,6 +89,7 @@ __all__ = [
     "Mesh",
     "MissingExtraError",
     "Orientation",
+    "Pass",
     "Picked",
     "Pointer",
     "Points",
@@ -109,6 +125,7 @@ __all__ = [
     "modulation",
     "open",
     "param",
+    "passes",
     "pick",
     "presets",
     "ray_profile",
@@ -124,6 +141,7 @@ __all__ = [
     "statistics",
     "tone",
     "transfer",
+    "transport",
     "visibility",
     "warm_up",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from .errors import ValueRangeError
@@ -30,6 +31,7 @@ def render(
     tolerance: float | None = None,
     budget_ms: float | None = None,
     keep_hits: bool = False,
+    passes: Iterable[str | Stage] = (),
     device: str | int | None = None,
     progress: Progress | None = None,
 ) -> Image:
@@ -48,7 +50,8 @@ def render(
     step
         Distance between samples, in smallest voxel spacings.
     skip
-        How empty space is skipped; never changes the image.
+        How empty space is skipped, which never changes the image: ``"blocks"`` of voxels are leapt over; ``"geometry"`` draws
+        the faces round those that hold something, too, and rays go from the first to the last; ``"none"``; ``"auto"`` chooses.
     tolerance
         Bound of the error of every pixel and channel of ``rgba``, in [1e-5, 1): the picture is drawn with smaller and smaller
         steps, where it still changes, and without tables and early ends. ``stats["tolerance"]`` tells the estimate and how
@@ -59,6 +62,9 @@ def render(
     keep_hits
         Keep what was found at surfaces (``first_hit``): ``image.normal``, and what ``relight`` needs; of
         ``emission_absorption`` the normals where opacity passes one half.
+    passes
+        What is made of the picture once it is there, by name or as stages of the slot ``passes``; see
+        ``docs/guide/own-passes.md``.
     device
         Number, kind or part of the name of an adapter; None takes the best.
     progress
@@ -87,10 +93,18 @@ def render(
     check_size(size)
     scene = as_scene(what, size, progress)
     options: dict[str, Any] = {"tolerance": tolerance, "budget_ms": budget_ms, "keep_hits": keep_hits, "progress": progress}
+    options["passes"] = passes
     return shared(device).render(scene, size, driver=driver, step=step, skip=skip, **options)
 
 
-def relight(image: Image, scene: Scene, *, device: str | int | None = None, progress: Progress | None = None) -> Image:
+def relight(
+    image: Image,
+    scene: Scene,
+    *,
+    passes: Iterable[str | Stage] = (),
+    device: str | int | None = None,
+    progress: Progress | None = None,
+) -> Image:
     """Light the surfaces of an image again, without another march.
 
     Lights, shade, lighting, visibility, colours of the transfer function, tone and background may be others than those with
@@ -102,7 +116,7 @@ def relight(image: Image, scene: Scene, *, device: str | int | None = None, prog
         An image that was drawn with ``keep_hits=True``.
     scene
         The scene with its changes.
-    device, progress
+    passes, device, progress
         As for ``render``.
 
     Raises
@@ -122,7 +136,7 @@ def relight(image: Image, scene: Scene, *, device: str | int | None = None, prog
     """
     from .rendering.renderer import shared
 
-    return shared(device).relight(image, scene, progress=progress)
+    return shared(device).relight(image, scene, passes=passes, progress=progress)
 
 
 def as_scene(what: Any, size: tuple[int, int] = (512, 512), progress: Progress | None = None) -> Scene:

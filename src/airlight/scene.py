@@ -227,6 +227,9 @@ def _check_visibility(chosen: Mapping[str, Stage]) -> None:
     if visibility.name != "none" and isinstance(shade, Shade) and not shade.lit:
         where = f"look.visibility {visibility.name!r}"
         raise StageError(where, "dims light, and nothing is lit", 'use shade="blinn_phong", or visibility="none"')
+    if getattr(visibility, "of_lights", False) and isinstance(shade, Shade) and not shade.asks_lights:
+        what = f"dims lights, and shade {shade.name!r} asks none"
+        raise StageError(f"look.visibility {visibility.name!r}", what, 'use shade="blinn_phong", or another visibility')
 
 
 @dataclass(frozen=True, init=False)

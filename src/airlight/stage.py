@@ -11,12 +11,14 @@ import numbers
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar, get_args, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
 
 from .errors import StageError, ValueRangeError
+from .handed import Kind
 
 if TYPE_CHECKING:
     from .clips import Clip
@@ -155,6 +157,21 @@ class Grid:
 
 
 @dataclass(frozen=True)
+class Stack(Grid):
+    """The same samples as layers of 2-D textures along an axis of the grid: 0 is x, 1 y, 2 z; WGSL: ``package::field::layers``.
+
+    Layers are planes of the other two axes, in rising order. Groups of four channels lie one behind the other.
+    """
+
+    axis: int = 2
+
+    @property
+    def solid(self) -> Grid:
+        """The grid without regard to how its samples lie."""
+        return Grid(self.volume, self.channels, self.time, self.filtered, self.masked)
+
+
+@dataclass(frozen=True)
 class GradientEncoding:
     """How gradients and values lie in texels: ``gradient = xyz * scale``, ``value = w * value_scale + value_offset``.
 
@@ -284,20 +301,50 @@ BOUND_GROUP_VOXELS = 32
 
 
 @dataclass(frozen=True)
-class OpennessGrid:
-    """Share of light from all directions that reaches cells of voxels, as a 3-D texture that the sampler interpolates.
+class OccluderGrid:
+    """What hides, as the optical depth of cells of voxels: a 3-D texture that the sampler interpolates.
 
     ``cells`` of them along x, y and z, of ``block`` voxels each, with a mean side ``cell_world``; what ``clips`` cut away hides
-    nothing. Made on the device by the
-    layer's stages; see ``wgsl/passes/occluders.wgsl`` and ``openness.wgsl``.
+    nothing. By colour: with ``tint`` 1 a medium hides nothing of its own. Made on the device by the layer's stages; see
+    ``wgsl/passes/occluders.wgsl``.
     """
 
     cells: tuple[int, int, int]
     block: tuple[int, int, int]
     cell_world: float
+    clips: tuple[Clip, ...] = ()
+    tint: float = 0.0
+
+
+@dataclass(frozen=True)
+class OpennessGrid:
+    """Share of light from all directions that reaches cells, as a 3-D texture that the sampler interpolates.
+
+    Made on the device; see ``wgsl/passes/openness.wgsl``.
+    """
+
+    occluders: OccluderGrid
     radius_world: float
     directions: int
-    clips: tuple[Clip, ...] = ()
+
+
+@dataclass(frozen=True)
+class ShadowGrid:
+    """Share of each light, by colour, that reaches cells, as a 3-D texture that the sampler interpolates.
+
+    Cells have one more all round them; lights, each by its kind and where it comes from, lie one behind the other along z.
+    Made on the device; see ``wgsl/passes/shadow_sweep.wgsl`` and ``shadow_rays.wgsl``.
+    """
+
+    occluders: OccluderGrid
+    lights: tuple[tuple[str, tuple[float, float, float]], ...]
+    by: str
+
+    @property
+    def size(self) -> tuple[int, int, int]:
+        """Texels along x, y and z."""
+        x, y, z = self.occluders.cells
+        return x + 2, y + 2, (z + 2) * max(1, len(self.lights))
 
 
 @dataclass(frozen=True)
@@ -326,12 +373,14 @@ Resource = (
     Table
     | SlabTable
     | Grid
+    | Stack
     | GradientGrid
     | ClassifiedGrid
     | LabelCells
     | BlockLeaps
     | BlockBounds
     | OpennessGrid
+    | ShadowGrid
     | DirectionGrid
     | LitDirections
 )
@@ -355,6 +404,7 @@ class Context:
     clips: tuple[Clip, ...] = ()
     # Called with what is done, how much of it, and how much there is.
     progress: Callable[[str, int, int], None] | None = dataclasses.field(default=None, compare=False)
+    lights: tuple[Any, ...] = ()
 
     @property
     def channel(self) -> int:
@@ -376,14 +426,14 @@ class Stage:
     uniform_type
         Dataclass that is packed for the device; None when it is the stage itself.
     reads
-        Names of the passes whose results the stage reads.
+        Names and types of what the stage reads of the whole image: see ``airlight.handed``.
     """
 
     slot: ClassVar[str]
     name: ClassVar[str]
     wgsl: ClassVar[str | Path]
     uniform_type: ClassVar[type | None] = None
-    reads: ClassVar[tuple[str, ...]] = ()
+    reads: ClassVar[Mapping[str, Kind]] = MappingProxyType({})
 
     def __post_init__(self) -> None:
         """Check every parameter against its type and its bounds."""
@@ -512,7 +562,7 @@ SLOTS: dict[str, Slot] = {
     for slot in (
         Slot(
             "driver",
-            {"main": "fn(vec3u, u32)"},
+            {},
             help="What walks through the volume and calls the other slots.",
         ),
         Slot(
@@ -580,6 +630,19 @@ SLOTS: dict[str, Slot] = {
             help="How much of a light reaches a point.",
         ),
         Slot(
+            "transport",
+            {"passing": "fn(Slab) -> vec4f"},
+            {
+                "lasting": "fn(vec4f) -> bool",
+                "Gathered": "struct",
+                "gathered": "fn(vec4f, vec3f) -> Gathered",
+                "carried": "fn(vec4f, Gathered, vec4f, f32) -> vec4f",
+                "comes_through": "fn(vec4f, vec3f) -> vec3f",
+            },
+            defaults={"Gathered": "carried", "gathered": "carried"},
+            help="What becomes of a light on its way from plane to plane, by the driver half_angle.",
+        ),
+        Slot(
             "lighting",
             {"light_slab": "fn(Sample, Sample, Slab, Ray) -> vec3f"},
             {
@@ -604,8 +667,12 @@ SLOTS: dict[str, Slot] = {
                 "surface_rgb": "fn(Sample, Sample, Sample, vec3f) -> vec3f",
                 "settled": "fn(ptr<function, Accumulated>, f32, f32) -> bool",
                 "through": "fn(Accumulated) -> f32",
+                "Paused": "struct",
+                "pause": "fn(Accumulated) -> Paused",
+                "resume": "fn(Paused) -> Accumulated",
+                "join": "fn(Accumulated, Accumulated) -> Accumulated",
             },
-            defaults={"level": "surface", "surface_rgb": "surface"},
+            defaults={"level": "surface", "surface_rgb": "surface", "Paused": "paused", "pause": "paused", "resume": "paused"},
             help="What becomes of the slabs along a ray.",
         ),
         Slot(
@@ -617,6 +684,11 @@ SLOTS: dict[str, Slot] = {
             "tone",
             {"tone": "fn(vec3f, vec2f) -> vec3f"},
             help="From the scene's radiance to what a display can show.",
+        ),
+        Slot(
+            "passes",
+            {"pixel": "fn(vec2i) -> T"},
+            help="What is made of a picture, pixel by pixel, once it is there.",
         ),
     )
 }
@@ -650,12 +722,13 @@ def register(cls: StageType) -> StageType:
     return cls
 
 
-def make_stage(slot: str, choice: str | Stage) -> Stage:
-    """Return the stage of a slot, given by name or as it is."""
+def make_stage(slot: str, choice: str | Stage, where: str = "") -> Stage:
+    """Return the stage of a slot, given by name or as it is; errors name the slot of a look unless told ``where``."""
+    where = where or f"look.{slot}"
     if isinstance(choice, Stage):
         if choice.slot != slot:
-            raise StageError(f"look.{slot}", f"got {type(choice).__name__}, a stage of the slot {choice.slot}")
+            raise StageError(where, f"got {type(choice).__name__}, a stage of the slot {choice.slot}")
         return choice
     if choice not in STAGES[slot]:
-        raise ValueRangeError(f"look.{slot}", f"is {choice!r}, must be one of " + ", ".join(sorted(STAGES[slot])))
+        raise ValueRangeError(where, f"is {choice!r}, must be one of " + ", ".join(sorted(STAGES[slot])))
     return STAGES[slot][choice]()

@@ -198,6 +198,21 @@ def test_statistics(volume_file: str, drawn: Drawn, tmp_path: Path, capsys: pyte
 # -- errors
 
 
+def test_files_of_light_and_dithered_ones(
+    volume_file: str, drawn: Drawn, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    picture, light = str(tmp_path / "a.png"), str(tmp_path / "a.exr")
+    assert cli.main(["render", volume_file, "-o", picture, "--dither", "--tone", "reinhard_local:radius=0.1"]) == 0
+    assert cli.main(["render", volume_file, "-o", light, "--half"]) == 0
+    assert (drawn[0][0].layers[0].look.tone.name, len(drawn)) == ("reinhard_local", 2)
+    capsys.readouterr()
+    assert "dither is for 8 bits" in fails(capsys, "render", volume_file, "-o", light, "--dither")
+    assert "half is for .exr files alone" in fails(capsys, "render", volume_file, "-o", picture, "--half")
+    monkeypatch.setitem(sys.modules, "OpenEXR", None)
+    assert 'pip install "airlight[exr]"' in fails(capsys, "render", volume_file, "-o", light)
+    assert len(drawn) == 2  # nothing is drawn that could not be written
+
+
 def test_errors_are_one_message(volume_file: str, drawn: Drawn, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = str(tmp_path / "a.png")
     assert "nothing.nrrd does not exist" in fails(capsys, "render", str(tmp_path / "nothing.nrrd"), "-o", out)

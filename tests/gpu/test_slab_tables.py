@@ -214,5 +214,5 @@ def test_symmetric_functions_have_symmetric_tables(device):
 
 def test_limits_are_told(device):
     tf = TransferFunction([(0, "black", 0), (1, "white", 1)])
-    with pytest.raises(LimitError, match="too large together"):
+    with pytest.raises(LimitError, match="too large together: at most 8 fit"):
         make_slab_table(device, SlabTable(tf, 1.0, 4096, 64, weighted=True))

@@ -133,11 +133,37 @@ def test_large_steps(renderer, name):
         assert np.quantile(sharp[seen], quantile) < factor * np.quantile(straight[seen], quantile)
 
 
+@pytest.mark.parametrize("name", ["one", "in a medium"])
+def test_large_steps_miss_no_thin_pin(renderer, name):
+    """A pin thinner than a step is met by rays that cross it, since blocks that hold it are sampled."""
+    field = np.full((24, 24, 24), 40.0, dtype=np.float32)
+    field[:, 12, 12] = 110
+    tf = FUNCTIONS[name]
+    camera = al.Camera.orthographic(eye=(-20, 12, 12), target=(12, 12, 12), height=24)
+    drawn = al.Scene(al.Volume(field), transfer=tf, camera=camera, look=al.Look(shade="none"), background=None)
+    small, large = (renderer.render(drawn, SIZE, step=step).rgba[..., 3] for step in (0.25, 7.3))
+    blind = renderer.render(drawn, SIZE, step=7.3, driver=al.driver.March(blocks=False)).rgba[..., 3]
+    assert (small > 0.01).sum() > 20
+    assert np.abs(small - large).mean() < 0.3 * np.abs(small - blind).mean()
+
+
 def test_skipping_changes_nothing(renderer):
     for tf in FUNCTIONS.values():
         drawn = with_function(tf)
         a, b = (renderer.render(drawn, SIZE, step=2.0, skip=skip).rgba for skip in ("auto", "none"))
         assert np.abs(a - b).max() <= 1e-5
+
+
+@pytest.mark.parametrize("camera", ["perspective", "orthographic", "inside"])
+def test_rays_that_leap_meet_no_surface(any_renderer, camera):
+    """Values below 0, and surfaces between them and 0, where devices begin."""
+    volume = al.Volume(blobs().array - 1000, world_from_index=blobs().world_from_index)
+    points = [(-1000, "red", 0), (-940, "red", 0), (-920, "red", 0.3), (-890, "white", 0.5)]
+    tf = al.TransferFunction(points, surfaces=[Surface(-950.0, "white", 0.5), Surface(-500.0, "white", 0.5)])
+    drawn = with_function(tf, volume, camera, shade="none")
+    whole = any_renderer.render(drawn, SIZE, skip="none").rgba
+    for driver in (al.driver.March(), al.driver.Shells(group=4)):
+        assert np.abs(any_renderer.render(drawn, SIZE, driver=driver).rgba - whole).max() <= 1e-5
 
 
 def test_what_is_drawn_is_told(renderer):

@@ -37,6 +37,19 @@ def test_a_perspective_eye_too_far_away_is_refused(renderer):
         renderer.render(al.Scene(blobs(), transfer=function(), camera=far), SIZE)
 
 
+@pytest.mark.parametrize("integrate", ["emission_absorption", "mip"])
+def test_blocks_are_left_by_rays_from_far_away(renderer, integrate):
+    """A thousandth of a voxel behind a face, 32 bits tell no place from the one before."""
+    near = cameras(blobs())["orthographic"]
+    _, _, forward = near.basis()
+    eye = tuple(np.asarray(near.target) - 2e5 * forward)
+    far = al.Camera.perspective(eye=eye, target=near.target, fov_deg=np.degrees(near.height / 2e5))
+    drawn = replace(scene(integrate=integrate, shade="none"), camera=far)
+    skipped, whole = (renderer.render(drawn, SIZE, skip=skip) for skip in ("auto", "none"))
+    assert np.abs(skipped.rgba - whole.rgba).max() <= LEVEL
+    assert skipped.stats["samples"] < whole.stats["samples"]
+
+
 def test_a_world_far_from_its_origin(renderer):
     """A survey in metres: everything is moved together, lights too."""
     shift = np.array([5e5, 6e6, -2e5])

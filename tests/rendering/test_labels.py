@@ -320,9 +320,16 @@ def test_density_multiplies_functions_of_regions(renderer):
 
     def image(density, tf, styles):
         layer = al.Layer(blobs(), tf, al.Look(shade="none"), al.Labels(labels.volume, styles), density=density)
-        return renderer.render(al.Scene(layers=[layer], camera=camera, background=None), SIZE).rgba
+        return renderer.render(al.Scene(layers=[layer], camera=camera, background=None), SIZE)
 
-    assert np.array_equal(image(2.5, function(), own_functions()), image(1.0, function().scaled(2.5), scaled))
+    once, dense = image(1.0, function(), own_functions()), image(2.5, function(), own_functions())
+    assert np.array_equal(dense.rgba, image(1.0, function().scaled(2.5), scaled).rgba)
+    for what in ("a slab", "a slab's end"):
+        known = [
+            image.stats["layers"][0]["errors"][f"transfer: colour of {what}, its medium spread evenly"]
+            for image in (once, dense)
+        ]
+        assert 0 < known[0] < known[1] < 1
 
 
 def test_functions_that_do_not_go_together(renderer):

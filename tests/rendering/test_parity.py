@@ -17,6 +17,7 @@ PARAMETERS = {
     ("integrate", "attenuated_mip"): {"attenuation": 0.005},  # more makes places that are equally strong: test_projections.py
     ("integrate", "first_hit"): {"iso": 70.0},
     ("visibility", "ambient_occlusion"): {"cells": 12, "directions": 16},
+    ("visibility", "shadow_volume"): {"cells": 12},
 }
 ELSEWHERE = {("lighting", "quantised")}  # it refuses perspective views and point lights: test_quantised.py
 NAMES = [(slot, name) for slot in LOOK_SLOTS for name in sorted(STAGES[slot]) if (slot, name) not in ELSEWHERE]

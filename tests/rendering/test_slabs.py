@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 import pytest
 from scenes import SIZE, scene
@@ -9,9 +12,21 @@ from scenes import SIZE, scene
 import airlight as al
 from airlight import reference
 from airlight.stages.transfer import CUT_ERROR
-from airlight.transfer.tables import ACCURATE, MOST_PIECES, SIZES
+from airlight.transfer.tables import ACCURATE, MOST_PIECES, SIZES, slab_light
 
 SLABS = 3000
+
+
+@dataclass(frozen=True)
+class Behind(al.shade.Shade):
+    """Light at the back of slabs, none at the front, so that pictures show the back's part alone."""
+
+    name: ClassVar[str] = "behind"
+    wgsl: ClassVar[str] = """
+import package::sample::{Sample, Lit};
+
+fn light(here: Sample, normal: vec3f, to_eye: vec3f) -> Lit { return Lit(vec3f(here.p_index.y), vec3f(0.0)); }
+"""
 
 
 def kinds() -> dict[str, list[tuple[float, tuple[float, float, float], float]]]:
@@ -54,7 +69,7 @@ def ends(tf: al.TransferFunction) -> np.ndarray:
 def slabs(tf: al.TransferFunction, values: np.ndarray, **look) -> tuple[al.Scene, tuple[int, int]]:
     """Scene of which each pixel is one slab of length 1, seen along y."""
     width = 128
-    padded = np.resize(values, (2, -(-values.shape[1] // width) * width)).reshape(2, -1, width)
+    padded = np.pad(values, ((0, 0), (0, -values.shape[1] % width)), mode="wrap").reshape(2, -1, width)
     # Each slab takes three voxels across, so that interpolation finds the very values in the middle one.
     grid = np.repeat(np.repeat(padded.transpose(1, 0, 2), 3, axis=0), 3, axis=2)
     volume = al.Volume(grid)
@@ -135,6 +150,50 @@ def test_cut_slabs_tell_where_light_comes_from(any_renderer, kind, lighting, dep
     image, truth = any_renderer.render(drawn, SIZE), reference.render(drawn, SIZE)
     assert image.stats["layers"][0]["stages"]["transfer"] == "preintegrated_exact"
     assert np.abs(image.rgba - truth.rgba).max() < ACCURATE
+
+
+def gentle(depth: float) -> al.TransferFunction:
+    points = [(0, (1, 0, 0), 0), (0.4, (0, 1, 0.2), 0.5), (1, (1, 1, 1), 1)]
+    return al.TransferFunction([(v, rgb, depth * e) for v, rgb, e in points])
+
+
+@pytest.mark.parametrize(
+    ("tf", "entries"),
+    [(gentle(0.3), 128), (function("peaks", 0.03), 256)]
+    + [(function(kind, depth), 0) for kind, depth in (("peaks", 0.3), ("steps", 0.3), ("random", 3.0))],
+    ids=["gentle", "thin peaks", "peaks", "steps", "random"],
+)
+def test_ends_of_slabs_get_their_parts(any_renderer, tf, entries):
+    """Shares want larger tables than colours do, and none where they are lost between entries of any."""
+    values = ends(tf)
+    drawn, size = slabs(tf, values, shade=Behind(), lighting="interpolated")
+    image = any_renderer.render(drawn, size, driver=al.driver.March(curved=False))
+    known = image.stats["layers"][0]
+    assert known["stages"]["transfer"] == ("preintegrated" if entries else "preintegrated_exact")
+    assert known["tables"].get("transfer.slabs", [2, 0])[:2] == [2, entries]
+    light, moment = slab_light(tf, *values.astype(np.float64), 1.0)
+    seen = image.rgba[::-1].reshape(-1, 4)[: len(light)]
+    assert np.abs(seen[:, 3] - light[:, 3]).max() < CUT_ERROR
+    assert np.abs(seen[:, :3] - moment[:, :3]).max() < (1.2 * ACCURATE if entries else CUT_ERROR)
+    assert known["errors"]["transfer: colour of a slab"] <= ACCURATE
+
+
+@pytest.mark.parametrize("shade", [al.shade.NoShade(), Behind()])
+def test_the_error_of_slabs_shorter_than_the_table_s_is_told(renderer, shade):
+    """The first slab of a ray is shorter than a step; tables of more lengths know it better."""
+    tf = gentle(10.0)
+    values = ends(tf)
+    light, moment = slab_light(tf, *values.astype(np.float64), 1.0)
+    seen, told = [], []
+    for lengths in (1, 8):
+        table = al.transfer.PreIntegrated(entries=512, lengths=lengths)
+        drawn, size = slabs(tf, values, shade=shade, lighting="interpolated", transfer=table)
+        image = renderer.render(drawn, size, step=2.0, driver=al.driver.March(curved=False))
+        rgb = image.rgba[::-1].reshape(-1, 4)[: len(light), :3]
+        seen.append(np.abs(rgb - (moment if shade.lit else light)[:, :3]).max())
+        told.append(image.stats["layers"][0]["errors"]["transfer: colour of a shorter slab"])
+    assert seen[0] / 2 < told[0] < 2 * seen[0]
+    assert seen[1] < told[1] < told[0] / 2
 
 
 @pytest.mark.parametrize("refine", ["none", "bisection"])

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from airlight.errors import StageError
 from airlight.gpu.device import open_device
-from airlight.shader.layout import LEAF_TYPES, Struct, class_struct, fill, make_struct, pack
+from airlight.shader.layout import LEAF_TYPES, Struct, class_struct, fill, make_struct, pack, size_in
 from airlight.stage import F32, Mat3f, Vec3f, param
 
 LEAVES = sorted(LEAF_TYPES)
@@ -152,3 +152,28 @@ def test_nested_values_are_filled():
     record = np.zeros((), dtype=outer.dtype)
     fill(record, outer, Outer)
     assert np.frombuffer(record.tobytes(), np.float32)[[0, 4, 8]].tolist() == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("kind", "size"),
+    [
+        ("f32", 12),
+        ("vec3f", 32),
+        ("vec3<f32>", 32),
+        ("vec2<u32>", 24),
+        ("mat3x3<f32>", 80),
+        ("array<vec4<f32>, 3>", 80),
+        ("array<array<f32, 4>, 3u>", 56),
+        ("array<vec3f, 2>", 64),
+        ("Two", 32),
+        ("bool", None),
+    ],
+)
+def test_sizes_of_structs_that_are_declared(kind, size):
+    """What a stage keeps of a ray, however its types are written."""
+    text = f"struct Two {{ a: f32, b: vec2f }} // struct A {{ a: f32 }}\nstruct A {{ a: f32, b: {kind}, c: f32 }}"
+    if size is None:
+        with pytest.raises(StageError, match="cannot be kept in a buffer"):
+            size_in(text, "A")
+    else:
+        assert size_in(text, "A") == size

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import airlight as al
 from airlight.scene_file import load_transfer
-from airlight.stages.transfer_channels import evenness_error
+from airlight.stages.transfer_channels import end_error, evenness_error
 from airlight.transfer.cells import end_media, function_texels, stacked_texels
 from airlight.transfer.channels import slope_of
 
@@ -154,10 +154,15 @@ def test_no_slab_errs_more_than_the_bound(found, data, length):
     before = np.concatenate([[0.0], np.cumsum(extinction)[:-1]]) * length / 256
     part = extinction * length / 256
     seen = np.where(part > 1e-12, -np.expm1(-part) / np.maximum(part, 1e-12), 1.0)
-    exact = (np.exp(-before) * seen * length / 256) @ source
+    sent = (np.exp(-before) * seen * length / 256)[:, None] * np.append(source, extinction[:, None], axis=1)
+    exact, at_back = sent.sum(axis=0), at @ sent
     depth = extinction.mean() * length
-    even = source.mean(axis=0) * length * (-math.expm1(-depth) / depth if depth > 1e-12 else 1.0)
-    assert np.abs(exact - even).max() <= evenness_error(mixture, length) + 1e-9
+    even = sent * 0 + np.append(source, extinction[:, None], axis=1).mean(axis=0) * length / 256
+    even *= np.exp(-depth * at[:, None]) / np.exp(-depth * at).mean() * (-math.expm1(-depth) / depth if depth > 1e-12 else 1.0)
+    assert np.abs(exact - even.sum(axis=0))[:3].max() <= evenness_error(mixture, length) + 1e-9
+    bound = end_error(mixture, length) + 1e-4
+    assert np.abs(at_back - at @ even).max() <= bound
+    assert np.abs((1 - at) @ (sent - even)).max() <= bound
 
 
 def test_the_bound_is_reached():
@@ -169,6 +174,19 @@ def test_the_bound_is_reached():
     even = share * -math.expm1(-depth)
     mixture = al.Channels({0: al.TransferFunction([(0, "white", 1.0)]), 1: al.TransferFunction([(0, "black", 2.0)])})
     assert abs(lit - even - evenness_error(mixture, 1.0)) < 1e-12
+
+
+@pytest.mark.parametrize("depth", [1e-3, 0.3, 3.0, 30.0])
+def test_the_bound_of_the_ends_is_reached(depth):
+    """What glows lies at the back, with nothing in front: thin slabs get half of their light wrong, opaque ones all of it."""
+    x = depth
+    back = -math.expm1(-x) / x - math.exp(-x)
+    share = min(1.0, -math.log(back / x) / x)
+    white, black = (al.TransferFunction([(0, colour, e)]) for colour, e in (("white", share * x), ("black", (1 - share) * x)))
+    found = end_error(al.Channels({0: white, 1: black}), 1.0)
+    assert found == pytest.approx(-math.expm1(-share * x) - share * back)
+    assert found == pytest.approx(x / 2, rel=1e-2) if depth < 0.01 else found > 0.1
+    assert end_error(al.Channels({0: al.TransferFunction([(0, "white", 0.0)])}), 1.0) < 1e-6
 
 
 # -- functions chosen from the data

@@ -174,6 +174,8 @@ def test_entries_are_what_runs_send(way, associated):
 def test_the_error_of_the_cubic_is_told():
     tf = FOG.with_surfaces([Surface(v, "white", 0.1) for v in (10, 40, 90)])
     assert crossing_error(tf, 1.0) < 1e-5 < crossing_error(tf, 8.0) < 1e-2 < crossing_error(tf, 100.0)
+    ends = [crossing_error(tf, length, of_ends=True) for length in (1.0, 8.0, 100.0)]
+    assert ends[0] < 1e-4 < ends[1] < ends[2]
     assert crossing_error(FOG.with_surfaces([Surface(5)]), 100.0) == 0
 
 

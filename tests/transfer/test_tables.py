@@ -23,6 +23,7 @@ from airlight.transfer.tables import (
     entries_needed,
     segment_rows,
     slab_light,
+    spread_error,
 )
 
 either = st.booleans().flatmap(functions)
@@ -248,14 +249,16 @@ def test_wrong_sizes_are_refused():
 # -- what interpolation between entries costs
 
 
-def drawn_error(tf: TransferFunction, length: float, entries: int, front: np.ndarray, back: np.ndarray) -> np.ndarray:
-    """Errors of slabs between places [entries] whose shift is interpolated between entries, in float64."""
+def drawn_error(
+    tf: TransferFunction, length: float, entries: int, front: np.ndarray, back: np.ndarray, weighted: bool = False
+) -> np.ndarray:
+    """Errors of slabs, or of their ends, between places [entries] whose shift is interpolated between entries, in float64."""
     first, last = value_axis(tf)
     step = (last - first) / (entries - 1)
 
     def known(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, ...]:
         values = first + step * x, first + step * y
-        light = slab_light(tf, *values, length)[0][:, :3]
+        light, moment = slab_light(tf, *values, length)
         way = np.where(x == y, 1.0, (y - x) / (entries - 1))[:, None]
         mean = np.maximum((integral_to(tf, values[1]) - integral_to(tf, values[0])) / way, 0)
         depth = np.maximum(mean[:, 3:] * length, 1e-9)
@@ -263,18 +266,23 @@ def drawn_error(tf: TransferFunction, length: float, entries: int, front: np.nda
         through = np.exp(-np.minimum(depth, 700.0))
         exact = 0.5 - (1 - through * (1 + depth)) / (depth * (1 - through))
         move = np.maximum(np.where(depth > 1e-3, exact, depth / 12), LEAST_MOVE)
-        shift = np.where((x == y)[:, None], 0.0, (light / weight - mean[:, :3]) / move)
-        return light, mean[:, :3], weight, move, shift
+        shift = np.where((x == y)[:, None], 0.0, (light[:, :3] / weight - mean[:, :3]) / move)
+        part = np.where(light > 1e-30, moment / np.maximum(light, 1e-30), 0.5 - move)
+        return light, mean[:, :3], weight, move, np.append(shift, part, axis=1), moment
 
     low = [np.minimum(np.floor(p), entries - 2) for p in (front, back)]
     share = [p - a for p, a in zip((front, back), low, strict=True)]
-    shift = np.zeros((len(front), 3))
+    texel = np.zeros((len(front), 7))
     for i, j in itertools.product((0, 1), (0, 1)):
         weight = (share[0] if i else 1 - share[0]) * (share[1] if j else 1 - share[1])
-        shift += weight[:, None] * known(low[0] + i, low[1] + j)[4]
-    light, mean, weight, move, _ = known(front, back)
-    drawn = np.clip((mean + shift * move) * weight, 0, mean * length)
-    return np.abs(drawn - light).max(axis=1)
+        texel += weight[:, None] * known(low[0] + i, low[1] + j)[4]
+    light, mean, weight, move, _, moment = known(front, back)
+    drawn = np.append(np.clip((mean + texel[:, :3] * move) * weight, 0, mean * length), light[:, 3:], axis=1)
+    off = np.abs(drawn - light)
+    if weighted:
+        off = np.append(off, np.abs(drawn * texel[:, 3:] - moment), axis=1)
+        off = np.append(off, np.abs(drawn * (1 - texel[:, 3:]) - (light - moment)), axis=1)
+    return off.max(axis=1)
 
 
 def slabs_near(tf: TransferFunction, entries: int, count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -317,21 +325,41 @@ def kinds(rng: np.random.Generator) -> dict[str, TransferFunction]:
 
 
 @pytest.mark.parametrize("kind", ["smooth", "spiky", "random", "step", "steps", "needle"])
-@pytest.mark.parametrize("depth", [0.5, 3.0, 20.0])
-def test_the_error_of_interpolation_is_told(kind, depth, rng):
+@pytest.mark.parametrize("depth", [0.05, 0.5, 3.0, 20.0])
+@pytest.mark.parametrize("weighted", [False, True])
+def test_the_error_of_interpolation_is_told(kind, depth, weighted, rng):
     """The estimate is within a factor of two of what thousands of slabs show."""
     tf = deepened(kinds(rng)[kind], depth)
     for entries in (128, 512):
-        seen = drawn_error(tf, 1.0, entries, *slabs_near(tf, entries, 3000, rng)).max()
-        assert seen / 2 < colour_error(tf, 1.0, entries) < 2 * seen
+        seen = drawn_error(tf, 1.0, entries, *slabs_near(tf, entries, 3000, rng), weighted).max()
+        assert seen / 2 < colour_error(tf, 1.0, entries, weighted) < 2 * seen or seen < 1e-4
 
 
-@pytest.mark.parametrize(("kind", "depth"), [("smooth", 0.5), ("smooth", 10.0), ("spiky", 0.5), ("random", 0.5)])
-def test_the_chosen_size_is_accurate(kind, depth, rng):
+@pytest.mark.parametrize("weighted", [False, True])
+@pytest.mark.parametrize(("kind", "depth"), [("smooth", 0.5), ("smooth", 10.0), ("spiky", 0.2), ("random", 0.05)])
+def test_the_chosen_size_is_accurate(kind, depth, weighted, rng):
     tf = deepened(kinds(rng)[kind], depth)
-    entries = entries_needed(tf, 1.0)
-    assert drawn_error(tf, 1.0, entries, *slabs_near(tf, entries, 2000, rng)).max() < 1.2 * ACCURATE
-    assert entries == SIZES[0] or colour_error(tf, 1.0, entries // 2) > ACCURATE
+    entries = entries_needed(tf, 1.0, weighted)
+    assert drawn_error(tf, 1.0, entries, *slabs_near(tf, entries, 2000, rng), weighted).max() < 1.2 * ACCURATE
+    assert entries == SIZES[0] or colour_error(tf, 1.0, entries // 2, weighted) > ACCURATE
+
+
+@pytest.mark.parametrize("of_ends", [False, True])
+@pytest.mark.parametrize("kind", ["smooth", "spiky", "random", "step", "steps", "needle"])
+def test_the_error_of_an_even_spread_is_told(kind, of_ends, rng):
+    """What the fast form leaves, and its even split between the ends of a slab, by thousands of slabs."""
+    for depth in (0.05, 0.5, 3.0, 20.0):
+        tf = deepened(kinds(rng)[kind], depth)
+        first, last = value_axis(tf)
+        front, back = (first + place * (last - first) / 63 for place in slabs_near(tf, 64, 3000, rng))
+        light, moment = slab_light(tf, front, back, 1.0)
+        mean = (integral_to(tf, back) - integral_to(tf, front)) / ((back - front) / (last - first))[:, None]
+        x = np.maximum(mean[:, 3:], 1e-4)
+        even = mean * -np.expm1(-x) / x
+        share = (1 - (1 + x) * np.exp(-x)) / (x * -np.expm1(-x))
+        ends = np.maximum(np.abs(even * share - moment), np.abs(even * (1 - share) - (light - moment)))
+        seen = (ends if of_ends else np.abs(even - light)).max()
+        assert seen / 1.5 - 1e-5 < spread_error(tf, 1.0, of_ends) < 1.5 * seen + 1e-5
 
 
 def test_what_no_size_mends_gets_the_greatest():
@@ -343,7 +371,8 @@ def test_what_no_size_mends_gets_the_greatest():
 
 @given(tf=either, depth=depths, entries=st.integers(2, 300))
 def test_an_error_is_told_of_any_function(tf, depth, entries):
-    assert 0 <= colour_error(deepened(tf, depth), 1.0, entries) < np.inf
+    of_colour, of_ends = (colour_error(deepened(tf, depth), 1.0, entries, weighted) for weighted in (False, True))
+    assert 0 <= of_colour <= of_ends < np.inf
 
 
 def test_tables_of_functions_keep_the_kind_of_their_size():

@@ -164,15 +164,21 @@ def _draw_arguments(draw: DrawOptions) -> dict[str, Any]:
     if draw.driver is not None or draw.offsets is not None:
         driver = parse_stage("driver", draw.driver or "march")
         if draw.offsets is not None:
-            driver = _with_offsets(driver, draw.offsets)
+            driver = _changed(driver, "offsets", draw.offsets, "march")
         arguments["driver"] = driver
+    if draw.transport is not None:
+        driver = arguments.get("driver") or parse_stage("driver", "half_angle")
+        arguments["driver"] = _changed(driver, "transport", parse_stage("transport", draw.transport), "half_angle")
+    if draw.passes:
+        arguments["passes"] = tuple(parse_stage("passes", text, "pass") for text in draw.passes)
     return arguments
 
 
-def _with_offsets(driver: Stage, offsets: str) -> Stage:
-    if not any(f.name == "offsets" for f in dataclasses.fields(driver)):  # type: ignore[arg-type]
-        raise ValueRangeError("--offsets", f"is given, but the driver {driver.name} has none", "use --driver march")
-    changed: Stage = dataclasses.replace(driver, offsets=offsets)  # type: ignore[type-var]
+def _changed(driver: Stage, name: str, choice: Any, known: str) -> Stage:
+    """Return the driver with an option of its own; ``known`` is one that has it."""
+    if not any(f.name == name for f in dataclasses.fields(driver)):  # type: ignore[arg-type]
+        raise ValueRangeError(f"--{name}", f"is given, but the driver {driver.name} has none", f"use --driver {known}")
+    changed: Stage = dataclasses.replace(driver, **{name: choice})  # type: ignore[type-var]
     return changed
 
 

@@ -104,9 +104,10 @@ class LookOptions:
             metavar="LIGHT",
             negative="",
             consume_multiple=False,
-            help="Light of the scene: head, directional or point, with parameters: head:intensity=0.5, "
+            help="Light of the scene: head, directional, point or spot, with parameters: head:intensity=0.5, "
             "directional:to_light=[0,-1,1],color=white,intensity=0.8, point:position=[0,-300,100],radius=200 (in the world; "
-            "without a radius there is no fall-off). Repeatable; one head light unless told.",
+            "without a radius there is no fall-off), spot:position=[0,-300,100],target=[0,0,0],angle_deg=20,image=window.npy "
+            "(for --driver half_angle). Repeatable; one head light unless told.",
         ),
     ] = ()
     mesh: Annotated[
@@ -272,6 +273,27 @@ class DrawOptions:
         Literal["none", "interleaved", "blue_noise"] | None,
         Parameter(
             group=DRAW, help="Offsets of the samples from pixel to pixel, by the driver march: fewer rings, a little noise."
+        ),
+    ] = None
+    passes: Annotated[
+        tuple[str, ...],
+        Parameter(
+            name="--pass",
+            group=DRAW,
+            metavar="STAGE",
+            negative="",
+            consume_multiple=False,
+            help=f"What is made of the finished picture: {choices('passes')}, with parameters as in "
+            "bounding_box:width_px=2; or one of a plugin. Repeatable.",
+        ),
+    ] = ()
+    transport: Annotated[
+        str | None,
+        Parameter(
+            group=DRAW,
+            metavar="STAGE",
+            help=f"What becomes of lights on their way through the volume, by the driver half_angle, which is chosen with it: "
+            f"{choices('transport')}. E.g. translucent:angle_deg=60.",
         ),
     ] = None
     device: Annotated[

@@ -181,11 +181,11 @@ def renamed(option: str) -> Iterator[None]:
         raise ValueRangeError(option, error.what, error.remedy) from None
 
 
-def parse_stage(slot: str, text: str) -> Stage:
-    """Stage of ``name`` or ``name:parameter=value,parameter=value``; lists in brackets."""
+def parse_stage(slot: str, text: str, option: str = "") -> Stage:
+    """Stage of ``name`` or ``name:parameter=value,parameter=value``; lists in brackets. Without ``option`` it is the slot's."""
     name, colon, rest = text.partition(":")
-    values = assignments(rest, f"--{slot}") if colon else {}
-    return stage_from_values(slot, name.strip(), values, f"--{slot}")
+    where = f"--{option or slot}"
+    return stage_from_values(slot, name.strip(), assignments(rest, where) if colon else {}, where)
 
 
 def choices(slot: str) -> str:

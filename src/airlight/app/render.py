@@ -66,6 +66,11 @@ def render(
             ".npy, or .png with the picture in grey under it.",
         ),
     ] = None,
+    dither: Annotated[
+        bool,
+        Parameter(negative="", help="Fine noise instead of bands where colours change slowly, in the 8 bits of .png."),
+    ] = False,
+    half: Annotated[bool, Parameter(negative="", help="Colours and opacity of .exr in 16 bits instead of 32.")] = False,
     save_scene: Annotated[
         str | None,
         Parameter(metavar="FILE.toml", help="Also write what was drawn as a scene file, to be rendered again or changed."),
@@ -88,6 +93,7 @@ def render(
         airlight render scene.toml -o - --stats | display
     """
     check_output(output)
+    check_options(output, dither, half)
     if normals is not None:
         check_beside("--normals", normals, output)
     if disagreement is not None:
@@ -118,10 +124,10 @@ def render(
         for note in itertools.chain(told, asked):
             print(f"note: {note}", file=sys.stderr)
     if output == "-":
-        sys.stdout.buffer.write(image.png())
+        sys.stdout.buffer.write(image.png(dither=dither))
         sys.stdout.buffer.flush()
     else:
-        image.save(output)
+        image.save(output, dither=dither, half=half)
     if normals is not None:
         write_normals(image.normal, Path(normals))
     if disagreement is not None:
@@ -184,6 +190,14 @@ def check_output(output: str, endings: tuple[str, ...] = ENDINGS) -> None:
         raise FileError(output, "has no ending that says what to write", f"use one of {', '.join(endings)}, or -")
     if not path.absolute().parent.is_dir():
         raise FileError(output, "cannot be written, its folder is not there", f"make {path.parent}")
+
+
+def check_options(output: str, dither: bool, half: bool) -> None:
+    """Refuse options that mean nothing to the kind of file, and a kind for which a package is missing."""
+    if dither or half or output.lower().endswith(".exr"):
+        from ..rendering.image import check_file_options
+
+        check_file_options(Path("-.png" if output == "-" else output), dither, half)
 
 
 def check_beside(option: str, file: str, output: str) -> None:

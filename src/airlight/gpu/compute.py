@@ -11,10 +11,11 @@ import numpy.typing as npt
 import wgpu
 
 from ..errors import ShaderError
-from ..shader.program import Binding, Program
+from ..shader.program import ARRAYS, Binding, Program
 from .device import Device
 
 GROUPS = 4
+WRITTEN = ("buffer", "storage_texture")  # kinds of bindings
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,11 +65,11 @@ def compiled(device: Device, program: Program, seen_by: int, make: Callable[[Any
 
 
 def layouts_of(device: Device, program: Program, seen_by: int) -> tuple[Any, ...]:
-    """Layouts of the bind groups of a program, for these stages of a pipeline; vertices write into no buffer."""
+    """Layouts of the bind groups of a program, for these stages of a pipeline; vertices write nothing but themselves."""
     layouts = []
     for group in range(GROUPS):
         entries = [
-            _layout_entry(device, b) | {"visibility": seen_by & ~(wgpu.ShaderStage.VERTEX if b.kind == "buffer" else 0)}
+            _layout_entry(device, b) | {"visibility": seen_by & ~(wgpu.ShaderStage.VERTEX if b.kind in WRITTEN else 0)}
             for b in program.bindings
             if b.group == group
         ]
@@ -96,15 +97,18 @@ def _layout_entry(device: Device, binding: Binding) -> dict[str, Any]:
             shape, _, rest = binding.type.removeprefix("texture_storage_").partition("<")
             dimension = shape.replace("_", "-")
             entry["storage_texture"] = {"access": "write-only", "format": rest.split(",")[0], "view_dimension": dimension}
-        case "table" | "layers" | "loaded_grid":
+        case "table" | "layers" | "loaded_grid" | "loaded_stack":
             kind = "float" if device.traits.filters_float32 else "unfilterable-float"
-            entry["texture"] = {"sample_type": kind, "view_dimension": "2d-array" if binding.kind == "layers" else "3d"}
+            entry["texture"] = {"sample_type": kind, "view_dimension": "2d-array" if binding.kind in ARRAYS else "3d"}
         case "numbers_2d" | "depth_2d":
             entry["texture"] = {"sample_type": "uint" if binding.kind == "numbers_2d" else "depth", "view_dimension": "2d"}
+        case "filtered_2d" | "loaded_2d":
+            kind = "float" if binding.kind == "filtered_2d" else "unfilterable-float"
+            entry["texture"] = {"sample_type": kind, "view_dimension": "2d"}
         case "labels":
             entry["texture"] = {"sample_type": "uint", "view_dimension": "3d"}
-        case "grid" | "gradients" | "openness" | "filtered":
-            entry["texture"] = {"sample_type": "float", "view_dimension": "3d"}
+        case "grid" | "stack" | "gradients" | "openness" | "filtered":
+            entry["texture"] = {"sample_type": "float", "view_dimension": "2d-array" if binding.kind in ARRAYS else "3d"}
         case "sampler":
             entry["sampler"] = {"type": "filtering"}
     return entry

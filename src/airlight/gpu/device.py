@@ -19,7 +19,7 @@ from .quick_types import parse_types_quickly
 
 KINDS = {"DiscreteGPU": "discrete", "IntegratedGPU": "integrated", "CPU": "software"}
 PREFERENCE = ("discrete", "integrated", "other", "software")
-FEATURES = ("float32-filterable", "texture-format16bit-norm")
+FEATURES = ("float32-filterable", "float32-blendable", "texture-format16bit-norm")
 # Limits that every WebGPU device has (W3C WebGPU, section 3.6.2).
 CORE_LIMITS = {
     "max-texture-dimension-1d": 8192,

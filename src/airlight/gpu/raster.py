@@ -12,11 +12,12 @@ import wgpu
 
 from ..errors import LimitError
 from ..shader.program import Program
-from .compute import Pipeline, bind_groups, compiled
+from .compute import Pipeline, bind_groups, buffer, compiled, write_uniforms
 from .device import Device
 
 FOUND_FORMAT = "rg32uint"
 DEPTH_FORMAT = "depth32float"
+CORNER = {"array_stride": 12, "attributes": [{"format": "float32x3", "offset": 0, "shader_location": 0}]}
 BYTES_PER_PIXEL = 8 + 2 * 4
 
 
@@ -123,14 +124,154 @@ def render_pipeline(device: Device, program: Program) -> Pipeline:
     return found
 
 
-def _compile(device: Device, program: Program) -> Pipeline:
-    draws = "fragments" not in program.key.outputs  # what is gathered is written into buffers
-    corner = {"array_stride": 12, "attributes": [{"format": "float32x3", "offset": 0, "shader_location": 0}]}
+def sweep_pipeline(device: Device, program: Program, target: str | None = None) -> Pipeline:
+    """Compile a program of a slice driver, or return it from the cache. It draws the triangles that face away from the eye.
+
+    Into buffers, from the entry point ``take_group``; with a format of a ``target`` into a texture, from ``pass_group``.
+
+    Raises
+    ------
+    ShaderError
+        With file and line of the WGSL at fault, and the compiler's words.
+    """
+    targets = [] if target is None else [{"format": target}]
+    entry = "take_group" if target is None else "pass_group"
+    # A pass without a target of colours has one of depths, of which it makes no use.
+    unused = {"depth_stencil": {"format": DEPTH_FORMAT, "depth_write_enabled": False, "depth_compare": "always"}}
 
     def make(module: Any, layout: Any) -> Any:
         return device.gpu.create_render_pipeline(
             layout=layout,
-            vertex={"module": module, "entry_point": "at_corner", "buffers": [corner]},
+            vertex={"module": module, "entry_point": "at_corner", "buffers": [CORNER]},
+            primitive={"topology": "triangle-list", "front_face": "ccw", "cull_mode": "front"},
+            fragment={"module": module, "entry_point": entry, "targets": targets},
+            **(unused if target is None else {}),
+        )
+
+    seen_by = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
+    found: Pipeline = device.kept.get(("sweep pipeline", program.key), lambda: compiled(device, program, seen_by, make))
+    return found
+
+
+def write_corners(device: Device, name: str, corners: npt.NDArray[np.float64]) -> Any:
+    """Vertex buffer with corners (t, 3, 3) of triangles, kept by name for the next frame."""
+    data = np.ascontiguousarray(corners, dtype=np.float32)
+    usage = wgpu.BufferUsage
+    target = buffer(device, name, max(data.nbytes, 36), usage.VERTEX | usage.COPY_DST)
+    if data.size:
+        device.queue.write_buffer(target, 0, data)
+    return target
+
+
+def draw_some(
+    device: Device, pipeline: Pipeline, groups: list[Any], size_px: tuple[int, int], corners: Any, part: slice
+) -> None:
+    """Submit a pass that draws some triangles, by number, for what their fragments write into buffers."""
+    depth = {"view": targets_of_size(device, size_px).unused, "depth_load_op": "clear", "depth_store_op": "discard"}
+    kinds = {"color_attachments": [], "depth_stencil_attachment": {**depth, "depth_clear_value": 0.0}}
+    _draw_part(device, pipeline, groups, kinds, corners, part)
+
+
+def draw_into(device: Device, pipeline: Pipeline, groups: list[Any], target: Any, corners: Any, part: slice) -> None:
+    """Submit a pass that draws some triangles, by number, over what is in a target."""
+    kinds = {"color_attachments": [{"view": target, "load_op": "load", "store_op": "store"}]}
+    _draw_part(device, pipeline, groups, kinds, corners, part)
+
+
+def clear_target(device: Device, target: Any, value: tuple[float, float, float, float]) -> None:
+    """Fill a texture."""
+    encoder = device.gpu.create_command_encoder()
+    cleared = {"view": target, "load_op": "clear", "store_op": "store", "clear_value": value}
+    encoder.begin_render_pass(color_attachments=[cleared]).end()
+    device.queue.submit([encoder.finish()])
+
+
+def _draw_part(device: Device, pipeline: Pipeline, groups: list[Any], kinds: dict[str, Any], corners: Any, part: slice) -> None:
+    encoder = device.gpu.create_command_encoder()
+    pass_ = encoder.begin_render_pass(**kinds)
+    pass_.set_pipeline(pipeline.pipeline)
+    for number, group in enumerate(groups):
+        pass_.set_bind_group(number, group)
+    pass_.set_vertex_buffer(0, corners)
+    pass_.draw(3 * (part.stop - part.start), 1, 3 * part.start)
+    pass_.end()
+    device.queue.submit([encoder.finish()])
+
+
+def targets_of_size(device: Device, size_px: tuple[int, int]) -> Targets:
+    """Textures of a size, kept for the next frame."""
+    found: Targets = device.kept.get(("targets", size_px), lambda: targets_of(device, size_px))
+    return found
+
+
+def draw_extremes(
+    device: Device, program: Program, size_px: tuple[int, int], triangles: npt.NDArray[np.float64], uniforms: bytes
+) -> tuple[Any, Any]:
+    """Draw triangles (t, 3, 3) twice: views of what ``first_face`` tells of the nearest, and ``last_face`` of the farthest.
+
+    Where there is none, the first is as far as it can be told, and the last 0.
+    """
+    corners = write_corners(device, "corners of faces", triangles)
+    views = device.kept.get(("extremes", size_px), lambda: _extremes_of(device, size_px))
+    bound = {"uniforms": write_uniforms(device, "uniforms of faces", uniforms)}
+    for (view, depth), entry, compare, empty in zip(
+        views.pairs, ("first_face", "last_face"), ("greater", "less"), (3e38, 0.0), strict=True
+    ):
+        pipeline = _extreme_pipeline(device, program, entry, compare)
+        kinds = {
+            "color_attachments": [{"view": view, "load_op": "clear", "store_op": "store", "clear_value": (empty, 0, 0, 0)}],
+            "depth_stencil_attachment": {
+                "view": depth,
+                "depth_load_op": "clear",
+                "depth_store_op": "discard",
+                "depth_clear_value": 0.0 if compare == "greater" else 1.0,
+            },
+        }
+        groups = bind_groups(device, pipeline, bound)
+        _draw_part(device, pipeline, groups, kinds, corners, slice(0, len(triangles)))
+    return views.pairs[0][0], views.pairs[1][0]
+
+
+@dataclass(frozen=True, eq=False)
+class Extremes:
+    """Two pictures of distances, each with its depths."""
+
+    pairs: tuple[tuple[Any, Any], tuple[Any, Any]]
+    bytes: int
+
+
+def _extremes_of(device: Device, size_px: tuple[int, int]) -> Extremes:
+    usage = wgpu.TextureUsage.RENDER_ATTACHMENT | wgpu.TextureUsage.TEXTURE_BINDING
+
+    def texture(texel_format: str) -> Any:
+        return device.gpu.create_texture(size=(*size_px, 1), format=texel_format, usage=usage).create_view()
+
+    pair = [(texture("r32float"), texture(DEPTH_FORMAT)) for _ in range(2)]
+    return Extremes((pair[0], pair[1]), 16 * size_px[0] * size_px[1])
+
+
+def _extreme_pipeline(device: Device, program: Program, entry: str, compare: str) -> Pipeline:
+    def make(module: Any, layout: Any) -> Any:
+        return device.gpu.create_render_pipeline(
+            layout=layout,
+            vertex={"module": module, "entry_point": "at_corner", "buffers": [CORNER]},
+            primitive={"topology": "triangle-list", "front_face": "ccw", "cull_mode": "none"},
+            depth_stencil={"format": DEPTH_FORMAT, "depth_write_enabled": True, "depth_compare": compare},
+            fragment={"module": module, "entry_point": entry, "targets": [{"format": "r32float"}]},
+        )
+
+    seen_by = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
+    found: Pipeline = device.kept.get(("faces", entry, program.key), lambda: compiled(device, program, seen_by, make))
+    return found
+
+
+def _compile(device: Device, program: Program) -> Pipeline:
+    draws = "fragments" not in program.key.outputs  # what is gathered is written into buffers
+
+    def make(module: Any, layout: Any) -> Any:
+        return device.gpu.create_render_pipeline(
+            layout=layout,
+            vertex={"module": module, "entry_point": "at_corner", "buffers": [CORNER]},
             primitive={"topology": "triangle-list", "cull_mode": "none"},
             depth_stencil={
                 "format": DEPTH_FORMAT,

@@ -31,8 +31,10 @@ def make_slab_table(device: Device, table: SlabTable, root: str = ROOT) -> wgpu.
     most, where = device.limits["max-texture-dimension-2d"], "transfer.preintegrated.entries"
     if n > most:
         raise LimitError(where, f"is {n}; {device.info.name} holds at most {most} a side", "choose fewer")
-    if 16 * n * n * layers > MOST_BYTES or layers > device.limits["max-texture-array-layers"]:
-        raise LimitError(where, f"is {n}, {layers} such tables are too large together", "choose fewer entries or lengths")
+    fitting = min(MOST_BYTES // (16 * n * n), device.limits["max-texture-array-layers"])
+    if layers > fitting:
+        found = f"is {n}, and {layers} such tables are too large together: at most {fitting} fit"
+        raise LimitError(where, found, "choose fewer entries or lengths")
     usage = wgpu.TextureUsage
     texture = device.gpu.create_texture(
         size=(n, n, layers),

@@ -141,7 +141,7 @@ def upload_grid(device: Device, grid: Grid, progress: Progress) -> VolumeTexture
     for stack, channels in enumerate(stacks):
         samples = [volume.grid(channel, grid.time) for channel in channels]
         for z in range(0, size[2], rows):
-            part = _texels([s[z : z + rows] for s in samples], grid, encodings[4 * stack : 4 * stack + 4], width)
+            part = texels_of([s[z : z + rows] for s in samples], grid, encodings[4 * stack : 4 * stack + 4], width)
             first = stack * size[2] + z
             device.queue.write_texture(
                 {"texture": texture, "origin": (0, 0, first)},
@@ -192,7 +192,7 @@ def _encoding_of(device: Device, grid: Grid, low: float, high: float) -> Encodin
     return choose_encoding(dtype, low, high, filtered=grid.filtered, device=device, width=width)
 
 
-def _texels(samples: list[npt.NDArray[Any]], grid: Grid, encodings: Sequence[Encoding], width: int) -> npt.NDArray[Any]:
+def texels_of(samples: list[npt.NDArray[Any]], grid: Grid, encodings: Sequence[Encoding], width: int) -> npt.NDArray[Any]:
     """Texels of the same slices of channels; what a channel more would have is empty, or the least that texels hold."""
 
     def one(part: npt.NDArray[Any], encoding: Encoding) -> npt.NDArray[Any]:

@@ -6,7 +6,7 @@ slot. ``register`` gives a stage from outside its function here.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,22 +16,27 @@ import numpy.typing as npt
 from ..environment import Environment
 from ..errors import DataError, StageError
 from ..scene import Layer, Scene, fit_camera
-from ..stage import make_stage
+from ..stage import Stage, make_stage
+from ..stages.driver_half_angle import HalfAngle
 from ..volume import FloatArray
 from . import channels as _channels  # noqa: F401  (its functions put themselves into TRANSFERS)
 from . import levels as _levels  # noqa: F401  (its functions put themselves into FIELDS and DERIVATIVES)
 from . import occlusion as _occlusion  # noqa: F401  (it puts its function into VISIBILITIES)
 from . import projections as _projections  # noqa: F401  (its classes put themselves into INTEGRATES)
 from . import quantised as _quantised  # noqa: F401  (it puts its function into LIGHTINGS)
+from . import shadows as _shadows  # noqa: F401  (it puts its function into VISIBILITIES)
 from .camera import CAMERAS
 from .covers import covers, surface_setup
 from .environment import seen
 from .field import FIELDS
 from .gradient import GRADIENTS
+from .half_angle import TRANSPORTS
 from .integrate import INTEGRATES
+from .lattice import lattice
 from .layers import march_layers
 from .march import march
 from .modulation import MODULATIONS
+from .passes import PASSES, Picture
 from .region import REGIONS
 from .setup import Setup
 from .shade import LIGHTINGS, SHADES, VISIBILITIES
@@ -50,9 +55,11 @@ TABLES: dict[str, dict[str, Any]] = {
     "region": REGIONS,
     "shade": SHADES,
     "visibility": VISIBILITIES,
+    "transport": TRANSPORTS,
     "lighting": LIGHTINGS,
     "integrate": INTEGRATES,
     "tone": TONES,
+    "passes": PASSES,
 }
 
 RAYS_AT_ONCE = 16384
@@ -98,6 +105,8 @@ def render(
     blocks: bool = True,
     mesh_layers: int | None = None,
     adaptive: bool = False,
+    driver: Stage | None = None,
+    passes: Sequence[Stage] = (),
 ) -> ReferenceImage:
     """Render a scene.
 
@@ -131,15 +140,22 @@ def render(
         Whether rays that look for surfaces are sampled in each block of voxels, whatever the step.
     adaptive
         Whether slabs of a scene of one layer are longer where little of them gets through to the eye.
+    driver
+        A driver on whose slices samples lie, instead of at equal distances from the eye; nothing else of it counts.
+    passes
+        What is made of the picture in the end, of all its pixels.
 
     Raises
     ------
     DataError
         When the scene has no visible layer, one without a transfer function, or a stage has no function here.
     """
+    if isinstance(driver, HalfAngle):
+        raise DataError("driver", "makes shadows, which are rendered elsewhere", "use reference.half_angle.render")
     setups = prepare_layers(scene)
     step /= substeps or 1
-    return _image(scene, setups, size, step, pixels, progress, offset_fraction, curved, refine, blocks, mesh_layers, adaptive)
+    options = (curved, refine, blocks, mesh_layers, adaptive, driver, _known(passes, pixels))
+    return _image(scene, setups, size, step, pixels, progress, offset_fraction, *options)
 
 
 def converged(
@@ -184,6 +200,16 @@ def _setup_of(scene: Scene, layer: Layer) -> Setup:
     return Setup(layer, layer.function, stages, scene.lights, clips=scene.clips_of(layer))
 
 
+def _known(passes: Sequence[Stage], pixels: npt.ArrayLike | None) -> Sequence[Stage]:
+    """Return passes that have a function here, over whole pictures."""
+    for one in passes:
+        if one.name not in PASSES:
+            raise DataError(f"pass {one.name!r}", "has no function here", "use reference.register")
+    if passes and pixels is not None:
+        raise DataError("pixels", "were chosen, but passes look at the whole image", "leave them out")
+    return passes
+
+
 def _image(
     scene: Scene,
     setups: tuple[Setup, ...],
@@ -197,6 +223,8 @@ def _image(
     blocks: bool = True,
     mesh_layers: int | None = None,
     adaptive: bool = False,
+    driver: Stage | None = None,
+    passes: Sequence[Stage] = (),
 ) -> ReferenceImage:
     # Choose the camera.
     (width, height), camera, tone = size, scene.camera, setups[0].stages["tone"]
@@ -212,13 +240,14 @@ def _image(
             raise DataError("pixels", f"were chosen, but tone {tone.name} needs the whole image", "leave them out")
         x, y = np.asarray(pixels, dtype=np.int64).reshape(-1, 2).T
     # March the rays of one chunk of pixels after the other.
-    rgba, depth = np.empty((len(x), 4)), np.empty(len(x))
+    rgba, depth, backdrop = np.empty((len(x), 4)), np.empty(len(x)), np.zeros(len(x))
     for first in range(0, len(x), RAYS_AT_ONCE):
         part = slice(first, first + RAYS_AT_ONCE)
         origin, direction = CAMERAS[camera.name](camera, size, x[part], y[part])
-        fraction = 0.0 if offset_fraction is None else np.asarray(offset_fraction(x[part], y[part]), dtype=np.float64)
+        step_world, fraction = lattice(driver, setup, camera, size, origin, direction, step * setup.finest_world)
+        if offset_fraction is not None:
+            fraction = fraction + np.asarray(offset_fraction(x[part], y[part]), dtype=np.float64)
         found = covers(scene, surface_setup(setup), origin, direction, mesh_layers) if scene.meshes else None
-        step_world = step * setup.finest_world
         if len(setups) == 1:
             result = march(setup, origin, direction, step_world, fraction, curved, refine, blocks, found, adaptive)
         else:
@@ -227,10 +256,17 @@ def _image(
         if isinstance(scene.background, Environment):
             looks = np.flatnonzero(direction.any(axis=1))
             behind = (1 - result.alpha[looks])[:, None] * seen(scene.background, direction[looks])
+            backdrop[part] = 1 - result.alpha
             rgba[first + looks] = np.column_stack([result.rgb[looks] + behind, np.ones(len(looks))])
         if progress is not None:
             progress(min(1.0, (first + RAYS_AT_ONCE) / len(x)))
-    # Map the tones and put the pixels in rows.
-    rgba = TONES[tone.name](tone, rgba)
+    # Put the pixels in rows and map the tones.
     shape = (height, width) if pixels is None else (len(x),)
-    return ReferenceImage(rgba.reshape(*shape, 4), depth.reshape(shape))
+    rgba, depth = rgba.reshape(*shape, 4), depth.reshape(shape)
+    for what in ("scene", "display"):
+        for one in passes:
+            if getattr(one, "over", "display") == what:
+                picture = Picture(rgba, backdrop.reshape(shape), depth, camera, setups, driver, step * setup.finest_world)
+                rgba = PASSES[one.name](one, picture)
+        rgba = TONES[tone.name](tone, rgba) if what == "scene" else rgba
+    return ReferenceImage(rgba, depth)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..stages.field_stack import facing_layers
 from ..transfer.channels import Channels
 from ..volume import FloatArray
 from .region import mixed_opacity, occupancy
@@ -44,6 +45,21 @@ def linear(setup: Setup, p_index: FloatArray) -> Values:
     return np.where(empty, 0.0, value), empty
 
 
+def stack(setup: Setup, p_index: FloatArray) -> Values:
+    """Interpolate in layers: as ``linear`` does, or without ``between`` the layers what the nearest one has."""
+    stage = setup.stages["field"]
+    return linear(setup, p_index if stage.between else on_layers(setup, p_index))
+
+
+def on_layers(setup: Setup, p_index: FloatArray) -> FloatArray:
+    """Points (n, 3) moved to the nearest layer."""
+    axis = setup.stages["field"].axis
+    number = facing_layers(setup.layer.volume, setup.camera, setup.size_px)[0] if axis == "auto" else "xyz".index(axis)
+    moved = p_index.copy()
+    moved[:, number] = np.floor(p_index[:, number] + 0.5)
+    return moved
+
+
 def field_scalar(setup: Setup, p_index: FloatArray) -> Values:
     """Value (n,) of which gradients are taken: that of the samples where the field itself holds media.
 
@@ -51,6 +67,8 @@ def field_scalar(setup: Setup, p_index: FloatArray) -> Values:
     """
     if setup.stages["field"].name in ("preclassified", "preclassified_masked"):
         return linear(setup, p_index)
+    if setup.stages["field"].name == "preclassified_stack":
+        return stack(setup, p_index)
     if setup.stages["field"].name == "occupancy":
         return mixed_opacity(setup, p_index)
     value, empty = field_value(setup, p_index)
@@ -82,6 +100,11 @@ def preclassified(setup: Setup, p_index: FloatArray) -> Values:
     if not weighted:
         value[:, :3] *= value[:, 3:]
     return np.where(empty[:, None], 0.0, value), empty
+
+
+def preclassified_stack(setup: Setup, p_index: FloatArray) -> Values:
+    """The same in layers."""
+    return preclassified(setup, p_index if setup.stages["field"].between else on_layers(setup, p_index))
 
 
 @np.errstate(under="ignore")
@@ -128,6 +151,12 @@ FIELDS: dict[str, Callable[[Setup, FloatArray], Values]] = {
     "linear_channels": linear,
     "linear_exact_channels": linear,
     "linear_channels_masked": linear,
+    "stack": stack,
+    "stack_exact": linear,
+    "stack_masked": linear,
+    "stack_channels": linear,
+    "stack_channels_masked": linear,
     "preclassified": preclassified,
     "preclassified_masked": preclassified,
+    "preclassified_stack": preclassified_stack,
 }

@@ -254,7 +254,10 @@ def cell_slopes(grid: FloatArray, p_index: FloatArray) -> FloatArray:
     return result
 
 
-LINEAR = ("linear", "linear_exact", "linear_masked", "linear_channels", "linear_exact_channels", "linear_channels_masked")
+LINEAR = (
+    *("linear", "linear_exact", "linear_masked", "linear_channels", "linear_exact_channels", "linear_channels_masked"),
+    *("stack", "stack_exact", "stack_masked", "stack_channels", "stack_channels_masked"),
+)
 SEPARABLE = ("bspline", "bspline_exact", "catmull_rom", "mitchell", "windowed_sinc", "kernel")
 
 # Derivative of a field in data units per voxel, ``(setup, p_index (n, 3)) -> (n, 3)``.

@@ -29,7 +29,7 @@ def march_layers(
     setups: Sequence[Setup],
     origin: FloatArray,
     direction: FloatArray,
-    step_world: float,
+    step_world: FloatArray | float,
     fraction: FloatArray | float = 0.0,
     curved: bool = True,
     covers: Covers | None = None,
@@ -47,7 +47,7 @@ def march_layers(
     plain = {**setups[0].stages, "transfer": make_stage("transfer", "postclassified")}
     integrate = INTEGRATES[setups[0].stages["integrate"].name](replace(setups[0], stages=plain))
     acc = integrate.begin(len(origin))
-    shift = np.broadcast_to(np.asarray(fraction, dtype=np.float64), len(origin))
+    shift, step = (np.broadcast_to(np.asarray(of, dtype=np.float64), len(origin)) for of in (fraction, step_world))
     curved &= all(gains_from_curvature(setup.stages) for setup in setups)
     ended = np.zeros(len(origin), dtype=bool)
     ordered = covers is not None and getattr(setups[0].stages["integrate"], "takes_covers", False)
@@ -95,13 +95,13 @@ def march_layers(
             rays = np.nonzero((end > begin) & ~ended)[0]
             t_front = begin[rays]
             fronts = befores = [sample(number, rays, t_front) for number in range(len(setups))]
-            k = np.floor(begin / step_world - shift) + 1
+            k = np.floor(begin / step - shift) + 1
             while rays.size:
-                t_back = np.minimum((k[rays] + shift[rays]) * step_world, end[rays])
+                t_back = np.minimum((k[rays] + shift[rays]) * step[rays], end[rays])
                 k[rays] += 1
                 heres = backs = [sample(number, rays, t_back) for number in range(len(setups))]
                 if curved:
-                    t_ahead = np.minimum((k[rays] + shift[rays]) * step_world, end[rays])
+                    t_ahead = np.minimum((k[rays] + shift[rays]) * step[rays], end[rays])
                     aheads = [sample(number, rays, t_ahead) for number in range(len(setups))]
                     backs = [bent(*four) for four in zip(setups, befores, heres, aheads, strict=True)]
                 # Mix the slabs of all layers.

@@ -22,13 +22,15 @@ from .refine import crossings, refined
 from .setup import IntArray, Sample, Setup, Slab, dark, made_slab
 from .shade import LIGHTINGS
 
+SAME_STEP = 1e-6  # of a voxel
+
 
 @np.errstate(under="ignore")
 def march(
     setup: Setup,
     origin: FloatArray,
     direction: FloatArray,
-    step_world: float,
+    step_world: FloatArray | float,
     fraction: FloatArray | float = 0.0,
     curved: bool = True,
     refine: str = "bisection",
@@ -38,8 +40,11 @@ def march(
 ) -> Accumulated:
     """Integrate rays (n, 3), sampled at distances ``(k + fraction) * step_world``, k whole, and where they enter and leave.
 
+    Step and fraction are numbers, or (n,) of each ray.
+
     ``curved`` puts values right for the field's curvature where the stages gain from it. ``refine`` tells how the place of a
-    surface between two samples is found; with ``blocks`` rays that look for surfaces are sampled in each block of voxels.
+    surface between two samples is found; with ``blocks`` rays that look for surfaces are sampled in each block of voxels, those
+    that look for surfaces of the function where steps are longer than a voxel.
     ``covers`` are what rays meet of meshes. ``adaptive`` takes longer slabs where little of them gets through to the eye.
     """
     if refine != "none":
@@ -56,8 +61,9 @@ def march(
 
     line = setup.index_of(origin), direction @ setup.layer.volume.index_from_world[:3, :3].T
 
-    shift = np.broadcast_to(np.asarray(fraction, dtype=np.float64), len(origin))
-    curved &= gains_from_curvature(setup.stages)
+    shift, step = (np.broadcast_to(np.asarray(of, dtype=np.float64), len(origin)) for of in (fraction, step_world))
+    by_blocks = blocks and (integrate.has_surface or (cuts and bool(step.min() > (1 + SAME_STEP) * setup.spacing_world)))
+    curved &= gains_from_curvature(setup.stages) and not (by_blocks and cuts)
     adaptive &= hasattr(setup.stages["integrate"], "opaque_at")
     ended = np.zeros(len(origin), dtype=bool)
     # Composited slabs are put in order with meshes; what is one value of the whole ray stays whole.
@@ -77,16 +83,16 @@ def march(
         ended[rays[rows]] |= integrate.take(acc, rays[rows], cap)
         rays = rays[~ended[rays]]
         front = before = sample(rays, t_enter[rays])
-        k = np.floor(t_enter / step_world - shift) + 1
+        k = np.floor(t_enter / step - shift) + 1
         faces = lit_faces(setup, sample(np.arange(len(origin)), piece.begin), piece.near, -direction)
 
         while rays.size:
             # Go to the next sample of the lattice, to the next block (for exact roots the next cell), or to where it leaves.
-            t_lattice = t_next = (k[rays] + shift[rays]) * step_world
+            t_lattice = t_next = (k[rays] + shift[rays]) * step[rays]
             by_cells = integrate.has_surface and blocks and refine == "exact"
             if by_cells:
                 t_next = next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world, voxels=1, pieces=1)
-            elif integrate.has_surface and blocks:
+            elif by_blocks:
                 t_next = np.minimum(t_lattice, next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world))
             back = sample(rays, np.minimum(t_next, t_leave[rays]))
             if by_cells:
@@ -98,7 +104,7 @@ def march(
             # Move the sample away from the straight line between its neighbours.
             here = back
             if curved:
-                back = bent(setup, before, here, sample(rays, np.minimum((k[rays] + shift[rays]) * step_world, t_leave[rays])))
+                back = bent(setup, before, here, sample(rays, np.minimum((k[rays] + shift[rays]) * step[rays], t_leave[rays])))
 
             # Give an empty end the other end's sample and the slab half its length; leave out slabs with two empty ends.
             length = (back.t_world - front.t_world) * np.where(front.empty | back.empty, 0.5, 1.0)

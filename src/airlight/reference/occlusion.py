@@ -79,29 +79,36 @@ def directions(count: int) -> FloatArray:
     return np.stack([across * np.cos(turn), across * np.sin(turn), z], axis=1)
 
 
-@np.errstate(under="ignore")
 def occluders(setup: Setup) -> FloatArray:
-    """Optical depth over a cell's side, (z, y, x), by the mean of what lets light through at its voxels."""
+    """Optical depth of grey light over a cell's side, (z, y, x)."""
+    return coloured_occluders(setup, 0.0)[..., 0]
+
+
+@np.errstate(under="ignore")
+def coloured_occluders(setup: Setup, tint: float) -> FloatArray:
+    """Optical depth by colour over a cell's side, (z, y, x, 3), by the mean of what lets light through at its voxels."""
     side = cell_side(setup)
-    opacity = -np.expm1(-voxel_extinction(setup) * side)
-    bx, by, bz = block_of(setup).astype(int)
-    counts = [-(-n // b) for n, b in zip(opacity.shape, (bz, by, bx), strict=True)]
-    padded = np.zeros([n * b for n, b in zip(counts, (bz, by, bx), strict=True)])
-    padded[tuple(slice(n) for n in opacity.shape)] = opacity
-    nz, ny, nx = counts
-    mean = padded.reshape(nz, bz, ny, by, nx, bx).mean(axis=(1, 3, 5))
+    opacity = -np.expm1(-voxel_extinction(setup, tint) * side)
+    mean = opacity
+    for axis, block in enumerate(block_of(setup).astype(int)[::-1]):
+        first = np.arange(0, opacity.shape[axis], block)
+        voxels = np.diff(first, append=opacity.shape[axis])  # the last cell may have fewer
+        mean = np.add.reduceat(mean, first, axis) / np.expand_dims(voxels, [n for n in range(4) if n != axis])
     return np.asarray(-np.log(np.maximum(1 - mean, LEAST_THROUGH)))
 
 
-def voxel_extinction(setup: Setup) -> FloatArray:
-    """Mean extinction (z, y, x) of the slabs from each voxel to its next neighbours, none where it is empty."""
+def voxel_extinction(setup: Setup, tint: float) -> FloatArray:
+    """Mean extinction (z, y, x, 3) of the slabs from each voxel to its next neighbours, none where it is empty.
+
+    With a tint of 1 there is none for light of a slab's own colour.
+    """
     volume = setup.layer.volume
     nz, ny, nx = volume.size[::-1]
     z, y, x = np.indices((nz, ny, nx)).reshape(3, -1)
     voxels = np.stack([x, y, z], axis=1).astype(np.float64)
     here = _sample(setup, voxels)
-    shown = part_at(setup, voxels)[1]
-    total, kept = np.zeros(len(voxels)), kept_by_all(setup.clips, here.p_world)
+    colour, shown = part_at(setup, voxels)
+    total, kept = np.zeros((len(voxels), 3)), kept_by_all(setup.clips, here.p_world)
     for axis in range(3):
         next_voxels = voxels.copy()
         next_voxels[:, axis] = np.minimum(voxels[:, axis] + 1, volume.size[axis] - 1)
@@ -109,8 +116,9 @@ def voxel_extinction(setup: Setup) -> FloatArray:
         length = volume.spacing[axis]
         rows = np.nonzero(~here.empty & kept)[0]
         sent = TRANSFERS[setup.stages["transfer"].name](setup, here[rows], there[rows], length * shown[rows])
-        total[rows] -= np.log(np.maximum(1 - sent.alpha, 1e-7)) / length / 3
-    return total.reshape(nz, ny, nx)
+        own = colour[rows] * np.clip(sent.rgb / np.maximum(sent.alpha, 1e-12)[:, None], 0.0, 1.0)
+        total[rows] -= (1 - tint * own) * (np.log(np.maximum(1 - sent.alpha, 1e-7)) / length / 3)[:, None]
+    return total.reshape(nz, ny, nx, 3)
 
 
 def _sample(setup: Setup, p_index: FloatArray) -> Sample:

@@ -47,6 +47,19 @@ def blinn_phong(setup: Setup, sample: Sample, gradient: FloatArray, to_eye: Floa
     return Lit(diffuse, specular)
 
 
+@np.errstate(under="ignore")
+def phase(setup: Setup, sample: Sample, gradient: FloatArray, to_eye: FloatArray) -> Lit:
+    """Ambient light, and what Henyey and Greenstein's phase function sends to the eye of each light."""
+    stage = setup.stages["shade"]
+    g, diffuse = stage.forward, stage.ambient * visibility(setup, None, sample.p_world)
+    for index, lamp in enumerate(setup.lights):
+        to_light, factor = incidence(lamp, sample.p_world, to_eye)
+        share = (1 - g * g) / (1 + g * g + 2 * g * _dot(to_light, to_eye)) ** 1.5
+        arriving = np.outer(factor * share, lamp.intensity * np.array(lamp.colour))
+        diffuse = diffuse + stage.strength * arriving * visibility(setup, index, sample.p_world)
+    return Lit(diffuse, np.zeros_like(diffuse))
+
+
 def surfaceness(steepness: FloatArray, threshold: float) -> FloatArray:
     """How far gradients (n,) mean a surface: from 0 at a threshold to 1 at twice of it."""
     if threshold == 0:
@@ -183,7 +196,11 @@ def _unit(vectors: FloatArray) -> FloatArray:
     return np.asarray(vectors / np.where(length > 0, length, 1.0))
 
 
-SHADES: dict[str, Callable[[Setup, Sample, FloatArray, FloatArray], Lit]] = {"none": none, "blinn_phong": blinn_phong}
+SHADES: dict[str, Callable[[Setup, Sample, FloatArray, FloatArray], Lit]] = {
+    "none": none,
+    "blinn_phong": blinn_phong,
+    "phase": phase,
+}
 VISIBILITIES: dict[str, Callable[[Setup, int | None, FloatArray], FloatArray]] = {"none": no_occlusion}
 LIGHTINGS: dict[str, Callable[[Setup, Slab, FloatArray], FloatArray]] = {
     "unlit": unlit,

@@ -18,7 +18,7 @@ from .region_functions import postclassified_regions, preintegrated_regions
 from .setup import IntArray, Sample, Sent, Setup
 
 # Up to this optical depth of a piece, take so many Gauss-Legendre nodes; what lies deeper than ``LAST_SEEN`` adds nothing.
-NODES = ((0.3, 6), (5.0, 12), (np.inf, 28))
+RULES = tuple((most, *np.polynomial.legendre.leggauss(count)) for most, count in ((0.3, 6), (5.0, 12), (np.inf, 28)))
 LAST_SEEN = 40.0
 
 
@@ -126,12 +126,11 @@ def _attenuated_moments(length: FloatArray, tau_front: FloatArray, tau_back: Flo
     """
     moments = np.zeros((3, len(length)))
     depth, least = length * (tau_front + tau_back) / 2, -1.0
-    for most, count in NODES:
+    for most, nodes, weights in RULES:
         rows = np.nonzero((depth > least) & (depth <= most))[0]
         least = most
         if rows.size == 0:
             continue
-        nodes, weights = np.polynomial.legendre.leggauss(count)
         tau_0, rise, d = tau_front[rows, None], (tau_back - tau_front)[rows, None], length[rows, None]
         # Reach as far as can be seen: tau_0 x + rise x^2 / 2 = LAST_SEEN / d, or all the way.
         reach, deep = np.ones_like(d), (depth[rows] > LAST_SEEN)[:, None]

@@ -89,6 +89,8 @@ def enlarged(image: Image, size_px: tuple[int, int]) -> Image:
 def _chosen(cost: Cost, request: Request, budget_ms: float) -> tuple[float, float]:
     for scale, step in LADDER:
         width, height = scaled(request.size_px, scale)
+        if step < getattr(request.driver, "least_step", 0.0):
+            continue
         if cost.of(width * height, step) <= budget_ms and not (request.keep_hits and scale < 1):
             return scale, step
     return (1.0, LADDER[-1][1]) if request.keep_hits else LADDER[-1]

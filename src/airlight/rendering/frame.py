@@ -20,26 +20,33 @@ from ..errors import DataError, LimitError, ValueRangeError
 from ..first_picture import resolve
 from ..gpu.device import Device
 from ..gpu.textures import Progress
+from ..light import Light
 from ..scene import Layer, Scene, check_scene
 from ..shader.program import Program
 from ..stage import SLOTS, Context, Stage, make_stage
 from ..stages.blocks import block_bounds, block_leaps
 from ..stages.driver import gains_from_curvature, sharpens_surfaces
+from ..stages.driver_half_angle import HalfAngle
+from ..stages.driver_slices import SliceDriver
+from ..stages.passes import Pass
 from ..stages.transfer import Transfer
 from ..volume import statistics
 from .annotating import annotated, noted
 from .background import background_statistics, plain_background, without_layers
 from .clips import clip_statistics, cutting_clips, nothing_left
 from .covers import check_covers, visible_corners
+from .half_angle import casts_shadows, check_pictures, draw_lights, light_statistics, lights_program, longest_way
 from .hits import Hits, check_keeps, check_relights, check_same
 from .image import FloatImage, Image
-from .layers import checked_layers, layer_statistics
+from .layers import checked_layers, layer_statistics, read_layers
 from .march import MarchFrame, declares, draw_march, draws_caps, march_program
 from .nearby import chosen_anchor, near_camera, shifted_lights
 from .outlines import check_outlines
+from .passes import check_bounds, check_reads
 from .resources import DrawnLayer, unless_full
 from .shown import IntArray
 from .stats import disagreement_statistics, frame_statistics
+from .sweep import draw_groups, longest_slab, planes_of, slice_statistics, sweep_program, sweeps
 
 GREATEST_VALUE = 1e37
 LEAST_TOLERANCE = 1e-5
@@ -51,7 +58,8 @@ class Request:
     """What is asked of a frame beside its scene.
 
     ``tolerance`` bounds the error of its pixels, and ``budget_ms`` the time that it takes: see ``tolerance.py``, ``budget.py``.
-    ``converges``: stages that are quick at the cost of an error, which no smaller step mends, give way to those that are not.
+    ``passes`` are those of users. ``converges``: stages that are quick at the cost of an error, which no smaller step mends,
+    give way to those that are not.
     """
 
     size_px: tuple[int, int]
@@ -62,6 +70,7 @@ class Request:
     tolerance: float | None = None
     budget_ms: float | None = None
     converges: bool = False
+    passes: tuple[Pass, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -70,6 +79,9 @@ class Request:
             raise ValueRangeError("size", f"is {self.size_px}, width and height must lie in [1, 65536]")
         if not 1e-3 <= self.step <= 1e3:
             raise ValueRangeError("step", f"is {self.step}, must lie in [0.001, 1000] voxels")
+        if self.step < getattr(self.driver, "least_step", 0.0):
+            found = f"is {self.step} voxels, and the driver {self.driver.name!r} has no slices between layers"
+            raise ValueRangeError("step", found, 'use driver="interpolated_slices", or a step of 1 or more')
         if self.tolerance is not None and not LEAST_TOLERANCE <= self.tolerance < 1:
             small = 0 <= self.tolerance < LEAST_TOLERANCE
             remedy = "32-bit floats hold no less" if small else "e.g. 1/255, a step of 8 bits"
@@ -80,10 +92,15 @@ class Request:
         given = [name for name, number in chosen.items() if number is not None]
         if len(given) > 1:
             raise ValueRangeError(given[0], f"is given beside {given[1]}, and each chooses the step", "leave one out")
+        if self.tolerance is not None:
+            check_bounds(self.passes)
+        if self.tolerance is not None and isinstance(self.driver, (SliceDriver, HalfAngle)):
+            raise ValueRangeError("tolerance", f"is given, and the driver {self.driver.name} draws whole images", "use march")
         if self.skip not in SKIPS:
             raise ValueRangeError("skip", f"is {self.skip!r}, must be one of {', '.join(SKIPS)}")
-        if self.skip == "geometry":
-            raise ValueRangeError("skip", "'geometry' cannot be asked for yet", "use auto or blocks; the image is the same")
+        if self.skip == "geometry" and self.driver.name != "march":
+            found = f"is 'geometry', and the driver is {self.driver.name}"
+            raise ValueRangeError("skip", found, "use auto: slices have proxies")
 
 
 def draw(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> Image:
@@ -126,8 +143,10 @@ def draw_pixels(
     """
     start = time.perf_counter()
     device.kept.begin_frame()
+    if not scene.layers:
+        check_reads(request.passes, "domains", "the scene has no volume", "leave it out")
     scene, reason = left_to_draw(scene)
-    if reason and not (scene.meshes or isinstance(scene.background, Environment)):
+    if reason and not (scene.meshes or request.passes or isinstance(scene.background, Environment)):
         width, height = request.size_px
         nothing = np.zeros((height, width, 4), dtype=np.float32)
         far = np.full((height, width), np.inf, np.float32)
@@ -144,7 +163,14 @@ def left_to_draw(scene: Scene) -> tuple[Scene, str]:
     return (without_layers(scene) if reason else scene), reason
 
 
-def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None], progress: Progress) -> Image:
+def relight(
+    device: Device,
+    image: Image,
+    scene: Scene,
+    check: Callable[[], None],
+    progress: Progress,
+    passes: tuple[Pass, ...] = (),
+) -> Image:
     """Light the surfaces of an image again, for changed lights, materials, colours and tones.
 
     Raises
@@ -164,7 +190,7 @@ def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None
     scene, notes = annotated(given, image.size)
     check_same(image.hits, scene, image.size)
     device.kept.begin_frame()
-    request = Request(image.size, make_stage("driver", "march"), image.stats["step"])
+    request = Request(image.size, make_stage("driver", "march"), image.stats["step"], passes=passes)
     frame = replace(prepare(device, scene, request, check, progress), found=image.hits)
     check_covers(frame)
     check_relights(frame)
@@ -174,13 +200,17 @@ def relight(device: Device, image: Image, scene: Scene, check: Callable[[], None
 
 def _finished(frame: MarchFrame, request: Request, start: float) -> tuple[Image, FloatImage]:
     device = frame.device
-    rgba, depth, samples = draw_march(frame)
+    draws = draw_lights if casts_shadows(frame) else draw_groups if sweeps(frame) else None
+    rgba, depth, samples = draw_march(frame, draws)
     device.kept.trim()
     stats = frame_statistics(frame, request.step) | background_statistics(frame.scene) | frame.covers.statistics()
     taken = float(np.abs(samples).sum(dtype=np.float64))
     is_nothing = taken == 0 and frame.found is None and not frame.covers.meshes
     stats |= clip_statistics(frame.given, frame.clips, draws_caps(frame), is_nothing) | layer_statistics(frame)
     stats |= {"samples": int(taken), "milliseconds": frame.clock.milliseconds}
+    stats |= light_statistics(frame) if casts_shadows(frame) else slice_statistics(frame)
+    stats["passes"] = {"drawn": list(frame.ran), "left_out": list(frame.left_out)}
+    stats |= {name: frame.measured[name] for name in ("luminance",) if name in frame.measured}
     if frame.found is None and frame.chosen is None:
         stats |= disagreement_statistics(frame, rgba)
     frame.clock.milliseconds["total"] = 1e3 * (time.perf_counter() - start)
@@ -191,20 +221,38 @@ def _finished(frame: MarchFrame, request: Request, start: float) -> tuple[Image,
 def explain(device: Device, scene: Scene, request: Request) -> Program:
     """Link the program that would draw a frame, without drawing it."""
     scene, _ = left_to_draw(annotated(resolve(scene, request.size_px), request.size_px)[0])
-    return march_program(prepare(device, scene, request, lambda: None, lambda *_: None))
+    frame = prepare(device, scene, request, lambda: None, lambda *_: None)
+    if casts_shadows(frame):
+        return lights_program(frame)
+    return sweep_program(frame, planes_of(frame)) if sweeps(frame) else march_program(frame)
 
 
 def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> MarchFrame:
     """Resolve a scene and gather what its passes share."""
     given = scene = resolve(scene, request.size_px)
-    visible = checked_layers(scene)
+    visible = read_layers(checked_layers(scene), request.driver)
     step_world = request.step * min(min(layer.volume.spacing) for layer in visible)
     skips, keeps = request.skip != "none", request.keep_hits
     sharpens = sharpens_surfaces(request.driver) and len(visible) == 1
     clips = cutting_clips(scene, visible)
+    check_pictures(scene, request.driver)
+    if isinstance(request.driver, HalfAngle):
+        slab_world = longest_way(visible, scene, request.size_px, step_world)
+    else:
+        slab_world = longest_slab(request.driver, visible, scene.camera, request.size_px, step_world)
     layers = tuple(
         drawn_layer(
-            layer, step_world, request.size_px, skips, scene.camera, keeps, sharpens, clips, progress, request.converges
+            layer,
+            slab_world,
+            request.size_px,
+            skips,
+            scene.camera,
+            keeps,
+            sharpens,
+            clips,
+            progress,
+            request.converges,
+            scene.lights,
         )
         for layer in visible
     )
@@ -232,6 +280,7 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
         progress=progress,
         keeps_hits=request.keep_hits,
         clips=clips,
+        passes=request.passes,
     )
     if request.keep_hits:
         check_keeps(frame)
@@ -251,6 +300,7 @@ def drawn_layer(
     clips: tuple[Clip, ...] = (),
     progress: Progress | None = None,
     converges: bool = False,
+    lights: tuple[Light, ...] = (),
 ) -> DrawnLayer:
     """Give a layer its stages and their resources; a volume with empty samples gets the field that keeps them apart.
 
@@ -268,7 +318,17 @@ def drawn_layer(
                 "scale it, e.g. volume / 1e30, and the transfer function with it",
             )
     context = Context(
-        layer.volume, layer.function, layer.channels, layer.time, step_world, size_px, layer.labels, camera, clips, progress
+        layer.volume,
+        layer.function,
+        layer.channels,
+        layer.time,
+        step_world,
+        size_px,
+        layer.labels,
+        camera,
+        clips,
+        progress,
+        lights,
     )
     stages = {slot: stage for slot, stage in layer.stages(keeps_hits).items() if SLOTS[slot].per_layer}
     if isinstance(stages["transfer"], Transfer):

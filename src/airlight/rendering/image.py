@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -14,9 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..annotations.drawing import over, overlay
-from ..errors import DataError, FileError, MissingExtraError
+from ..errors import DataError, FileError, MissingExtraError, ValueRangeError
 from ..transfer.colour import linear_to_srgb
 from .disagreement import disagreement_of
+from .dithering import bytes_of
 
 if TYPE_CHECKING:
     from ..annotations.marks import Mark
@@ -155,40 +157,51 @@ class Image:
     def _overlay(self) -> FloatImage | None:
         return overlay(self.marks, self.size) if self.marks else None
 
-    def picture(self) -> npt.NDArray[np.uint8]:
-        """uint8 sRGB as it is saved and shown: (h, w, 3), or (h, w, 4) with straight alpha where it is transparent."""
+    def picture(self, *, dither: bool = False) -> npt.NDArray[np.uint8]:
+        """uint8 sRGB as it is saved and shown: (h, w, 3), or (h, w, 4) with straight alpha where it is transparent.
+
+        With ``dither`` what lies between two of the 256 steps becomes fine noise of both, instead of bands.
+        """
         if self.background is not None:
-            return _bytes(linear_to_srgb(self.rgb))
+            return bytes_of(linear_to_srgb(self.rgb), dither)
         rgba = self.rgba if self._overlay is None else over(self._overlay, self.rgba)
         alpha = rgba[..., 3:]
         straight = np.divide(rgba[..., :3], alpha, out=np.zeros_like(rgba[..., :3]), where=alpha > 0)
-        return np.concatenate([_bytes(linear_to_srgb(straight)), _bytes(np.clip(alpha, 0, 1))], axis=-1)
+        return bytes_of(np.concatenate([linear_to_srgb(straight), np.clip(alpha, 0, 1)], axis=-1), dither)
 
-    def png(self) -> bytes:
+    def png(self, *, dither: bool = False) -> bytes:
         """Return the picture as a PNG file."""
         from PIL import Image as Pillow
 
         out = io.BytesIO()
-        Pillow.fromarray(self.picture()).save(out, "png", compress_level=4)
+        Pillow.fromarray(self.picture(dither=dither)).save(out, "png", compress_level=4)
         return out.getvalue()
 
-    def save(self, path: str | os.PathLike[str]) -> Path:
+    def save(self, path: str | os.PathLike[str], *, dither: bool = False, half: bool = False) -> Path:
         """Write ``.png`` (sRGB, over the background, annotated), ``.exr`` (linear RGBA and depth Z) or ``.npy`` (``rgba``).
 
-        The file appears when it is complete.
+        The file appears when it is complete. ``dither`` is for the 8 bits of ``.png``, see ``picture``; with ``half`` colours
+        and opacity of ``.exr`` have 16 bits, to three digits.
 
         Raises
         ------
+        ValueRangeError
+            For an option that means nothing to the kind of file.
         FileError
             For other endings, and where the file cannot be written.
         MissingExtraError
             For EXR without the package OpenEXR.
         """
         target = Path(path)
-        writers = {".png": self._write_png, ".exr": self._write_exr, ".npy": self._write_npy}
+        writers: dict[str, Callable[[Path], None]] = {
+            ".png": lambda path: self._write_png(path, dither),
+            ".exr": lambda path: self._write_exr(path, half),
+            ".npy": self._write_npy,
+        }
         writer = writers.get(target.suffix.lower())
         if writer is None:
             raise FileError(str(target), "has no ending that says what to write", "use one of " + ", ".join(writers))
+        check_file_options(target, dither, half)
         try:
             handle, name = tempfile.mkstemp(prefix=".airlight-", suffix=target.suffix.lower(), dir=target.parent)
         except OSError as error:
@@ -206,21 +219,23 @@ class Image:
             Path(name).unlink(missing_ok=True)
         return target
 
-    def _write_png(self, path: Path) -> None:
-        path.write_bytes(self.png())
+    def _write_png(self, path: Path, dither: bool) -> None:
+        path.write_bytes(self.png(dither=dither))
 
     def _write_npy(self, path: Path) -> None:
         np.save(path, self.rgba, allow_pickle=False)
 
-    def _write_exr(self, path: Path) -> None:
-        try:
-            import OpenEXR
-        except ImportError as error:
-            raise MissingExtraError("writing EXR", "needs OpenEXR", 'pip install "airlight[exr]"') from error
+    def _write_exr(self, path: Path, half: bool) -> None:
+        OpenEXR = _open_exr()  # noqa: N806 - the name of the module
         header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-        channels = {"RGBA": np.ascontiguousarray(self.rgba), "Z": np.ascontiguousarray(self.depth)}
-        with OpenEXR.File(header, channels) as file:
-            file.write(str(path))
+        with np.errstate(over="ignore", under="ignore"):  # what is beyond half floats is infinite there, or zero
+            rgba = self.rgba.astype(np.float16 if half else np.float32)
+        channels = {"RGBA": np.ascontiguousarray(rgba), "Z": np.ascontiguousarray(self.depth)}
+        try:
+            with OpenEXR.File(header, channels) as file:
+                file.write(str(path))
+        except RuntimeError as error:  # what OpenEXR raises, for whatever reason, with the name of the unfinished file
+            raise OSError(str(error).rpartition('". ')[2]) from error
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         """Return ``picture()``, so that plotting libraries show what is saved."""
@@ -233,5 +248,28 @@ class Image:
         return f"Image({self.size[0]}x{self.size[1]}, covered {float((self.rgba[..., 3] > 0).mean()):.0%})"
 
 
-def _bytes(unit: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
-    return (unit * 255.0 + 0.5).astype(np.uint8)
+def _open_exr() -> Any:
+    try:
+        import OpenEXR
+    except ImportError as error:
+        raise MissingExtraError("writing EXR", "needs OpenEXR", 'pip install "airlight[exr]"') from error
+    return OpenEXR
+
+
+def check_file_options(path: Path, dither: bool, half: bool) -> None:
+    """Refuse options that mean nothing to a kind of file, and a kind for which a package is missing.
+
+    Raises
+    ------
+    ValueRangeError
+        Names the option.
+    MissingExtraError
+        Names the package.
+    """
+    ending = path.suffix.lower()
+    if ending == ".exr":
+        _open_exr()
+    if dither and ending != ".png":
+        raise ValueRangeError("dither", f"is for 8 bits, and {ending} files hold floats", "leave it out, or write .png")
+    if half and ending != ".exr":
+        raise ValueRangeError("half", "is for .exr files alone", "leave it out, or write .exr")

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..errors import LimitError, StageError
 from ..scene import Layer, Scene
 from ..shader.program import Program
+from ..stage import Stage
+from ..stages.driver import Driver
 
 if TYPE_CHECKING:
     from .march import MarchFrame
 
 MOST_LAYERS = 8
 SHARED = ("integrate", "tone", "visibility")
-TEXTURES = ("table", "layers", "grid", "loaded_grid", "gradients", "labels", "openness")
+TEXTURES = ("table", "layers", "grid", "loaded_grid", "stack", "loaded_stack", "gradients", "labels", "openness")
 
 
 def checked_layers(scene: Scene) -> tuple[Layer, ...]:
@@ -44,6 +47,29 @@ def checked_layers(scene: Scene) -> tuple[Layer, ...]:
     return drawn
 
 
+def read_layers(layers: tuple[Layer, ...], driver: Stage) -> tuple[Layer, ...]:
+    """Layers with the fields that a driver reads in the place of theirs.
+
+    Raises
+    ------
+    StageError
+        For fields that it cannot read.
+    """
+    if not isinstance(driver, Driver):
+        return layers
+
+    def read(layer: Layer) -> Layer:
+        stages = layer.look.stages()
+        lighting, integrate = stages["lighting"], stages["integrate"]
+        at_ends = lighting.name == "unlit" or getattr(lighting, "lights_ends", False)
+        between = getattr(stages["modulation"], "uses_gradient", False) or getattr(integrate, "surfaces_only", False)
+        on_layers = len(layers) == 1 and at_ends and not between and not getattr(layer.transfer, "surfaces", ())
+        field = driver.field_for(layer.look.field, on_layers)
+        return layer if field is layer.look.field else replace(layer, look=replace(layer.look, field=field))
+
+    return tuple(read(layer) for layer in layers)
+
+
 def check_layers(frame: MarchFrame) -> None:
     """Refuse stages that cannot look at several layers.
 
@@ -60,7 +86,7 @@ def check_layers(frame: MarchFrame) -> None:
     if getattr(integrate, "uses_values", True) and not getattr(integrate, "surfaces_only", False):
         what = f"looks at one volume, and {len(frame.layers)} layers are visible"
         raise StageError(f"look.integrate {integrate.name!r}", what, "use emission_absorption or first_hit, or hide the others")
-    if visibility.name != "none":
+    if visibility.name != "none" and not getattr(visibility, "of_all_layers", False):
         what = f"dims light by one volume, and {len(frame.layers)} layers are visible"
         raise StageError(f"look.visibility {visibility.name!r}", what, "use none, or hide the others")
     if frame.keeps_hits:

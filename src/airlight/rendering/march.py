@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -21,13 +20,12 @@ from ..gpu import compute
 from ..gpu.device import Device
 from ..gpu.textures import Progress
 from ..gpu.tiles import Pace, Tile, run_tiles, tiles
+from ..handed import COLOUR, DEPTH, PIXEL_BYTES, Prepared
 from ..scene import Scene
 from ..shader.link import parse, stage_source
 from ..shader.program import (
     CHOSEN_WIDTH,
-    LUMINANCE_SUMS,
     FrameUniforms,
-    LuminanceUniforms,
     Program,
     ProgramKey,
     Switches,
@@ -37,23 +35,27 @@ from ..shader.program import (
 from ..stage import BlockLeaps, Resource, Stage
 from ..stages import tone as tones
 from ..stages.driver import gains_from_curvature
+from ..stages.driver_slices import SliceDriver
 from ..stages.field import Linear, LinearExact
 from ..stages.lighting import Quantised
+from ..stages.passes import Pass
 from ..stages.transfer import Transfer
 from ..transfer import TransferFunction
 from ..volume import FloatArray
-from .background import put_behind
+from .bounding import reaches
 from .clips import pack_clips
 from .covers import Covers
 from .directions import light_directions
 from .hits import HIT_BYTES, Hits, light_again
 from .layers import check_layers, check_textures
 from .outlines import Outlines
-from .plan import Pass, check_plan
+from .passes import WANTED, finish, rows_for_passes
+from .plan import Step
 from .resources import DrawnLayer, bound_resources, light_count, pack_uniforms, uniform_values, write_lights
 from .shown import IntArray, shown_columns
 
 BYTES_PER_PIXEL = 16
+SAME_STEP = 1e-6  # of a voxel
 TRILINEAR = (Linear, LinearExact)
 SKIN_VOXELS = 4.0  # of what lies behind the face of a cut and is lit as that is
 FAR = 3.4e38  # as devices hold it, where nothing is met
@@ -104,6 +106,10 @@ class MarchFrame:
     clips: tuple[Clip, ...] = ()
     chosen: IntArray | None = None
     kept_hits: list[np.ndarray[Any, Any]] = field(default_factory=list)
+    passes: tuple[Pass, ...] = ()
+    shared: dict[str, Any] = field(default_factory=dict)
+    ran: list[str] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
 
     @property
     def scene_resources(self) -> dict[str, Mapping[str, Resource]]:
@@ -128,7 +134,9 @@ class MarchFrame:
     @property
     def tones_late(self) -> bool:
         """Whether tones are mapped in a pass of their own, once the whole scene is there."""
-        return self.shows_environment or bool(self.scene_stages["tone"].reads)
+        early = any(one.over == "scene" or "luminance" in one.reads for one in self.passes)
+        adds = getattr(self.scene_stages["driver"], "adds_lights", False) and len(self.given.lights) > 1
+        return self.shows_environment or early or adds or bool(self.scene_stages["tone"].reads)
 
     def program(self, root: str | Path, outputs: tuple[str, ...], extra: tuple[str, ...] = (), **instead: Stage) -> Program:
         """Program of a root with the frame's stages, some replaced."""
@@ -176,12 +184,13 @@ def switches_of(frame: MarchFrame) -> Switches:
         fills=bool(getattr(integrate, "fills", False)),
         blocks_know_more=any(isinstance(one, BlockLeaps) and not one.known_to_slabs for one in leaps),
         walks_blocks=walks_blocks(frame),
-        walks_cells=walks_blocks(frame) and is_exact(frame),
+        walks_cells=walks_blocks(frame) and is_exact(frame) and bool(getattr(integrate, "surfaces_only", False)),
         looks_for_extremes=len(frame.layers) == 1 and "bounds" in frame.layers[0].resources["field"],
         has_crossings=classifies and any(offers_crossings(layer) for layer in frame.layers),
         lights_faces=bool(frame.clips) and any(layer.stages["lighting"].name != "unlit" for layer in frame.layers),
         draws_caps=draws_caps(frame),
         adaptive=is_adaptive(frame),
+        in_parts=isinstance(frame.scene_stages["driver"], SliceDriver),
         cuts_at_covers=frame.covers.cut_slabs,
     )
 
@@ -214,16 +223,21 @@ def is_adaptive(frame: MarchFrame) -> bool:
 
 def is_curved(frame: MarchFrame) -> bool:
     """Whether values are put right for curvature: asked of the driver, and of use to all layers."""
-    asked = bool(getattr(frame.scene_stages["driver"], "curved", False))
+    asked = bool(getattr(frame.scene_stages["driver"], "curved", False)) and not walks_blocks(frame)
     return asked and all(gains_from_curvature({**frame.scene_stages, **layer.stages}) for layer in frame.layers)
 
 
 def walks_blocks(frame: MarchFrame) -> bool:
-    """Whether surfaces are looked for block by block; those of several layers are on the lattice that they share."""
-    if len(frame.layers) > 1:
+    """Whether surfaces are looked for block by block; those of several layers are on the lattice that they share.
+
+    Surfaces of the function are where steps are longer than a voxel.
+    """
+    integrate, layer = frame.scene_stages["integrate"], frame.layers[0]
+    if len(frame.layers) > 1 or not getattr(frame.scene_stages["driver"], "blocks", False):
         return False
-    asked = bool(getattr(frame.scene_stages["driver"], "blocks", False))
-    return asked and bool(getattr(frame.scene_stages["integrate"], "surfaces_only", False))
+    is_coarse = frame.step_world > (1 + SAME_STEP) * min(layer.context.volume.spacing)
+    are_cut = bool(getattr(integrate, "classifies", True)) and offers_crossings(layer) and is_coarse
+    return are_cut or bool(getattr(integrate, "surfaces_only", False))
 
 
 def is_exact(frame: MarchFrame) -> bool:
@@ -250,65 +264,92 @@ def march_program(frame: MarchFrame) -> Program:
     """Program of the march; a tone stage that looks at the whole image first gets a pass of its own."""
     check_refines(frame)
     check_layers(frame)
-    root = frame.scene_stages["driver"].wgsl
-    wanted = {"hits": frame.keeps_hits, "covers": frame.covers.meshes, "clips": frame.clips}
-    wanted["changes"] = any(isinstance(clip, Solid) for clip in frame.clips)
-    wanted["chosen"] = frame.chosen is not None
-    outputs = ("radiance", "depth", *(name for name, is_wanted in wanted.items() if is_wanted))
-    instead: dict[str, Stage] = {"tone": tones.Linear()} if frame.tones_late else {}
-    program = frame.program(root, outputs, (), **instead)
+    wanted = {"hits": frame.keeps_hits, "chosen": frame.chosen is not None}
+    wanted |= dict.fromkeys(("reach_first", "reach_last"), frame.skip == "geometry")
+    outputs = ("radiance", "depth", *looked_at(frame), *(name for name, is_wanted in wanted.items() if is_wanted))
+    program = frame.program(frame.scene_stages["driver"].wgsl, outputs, (), **late_tones(frame))
     check_textures(frame, program)
     return program
 
 
-def draw_march(frame: MarchFrame) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-    """Draw a frame; returns rgba (h, w, 4), depth (h, w), and samples (h, w), negative where the device ended the ray."""
+def looked_at(frame: MarchFrame) -> tuple[str, ...]:
+    """Names of what rays look at beside layers: clips, outlines of meshes that clip, and meshes."""
+    outlined = any(isinstance(clip, Solid) for clip in frame.clips)
+    wanted = {"covers": frame.covers.meshes, "clips": frame.clips, "changes": outlined}
+    return tuple(name for name, is_wanted in wanted.items() if is_wanted)
+
+
+def late_tones(frame: MarchFrame) -> dict[str, Stage]:
+    """What stands in for the tone stage where tones are mapped in a pass of their own."""
+    return {"tone": tones.Linear()} if frame.tones_late else {}
+
+
+def draw_march(
+    frame: MarchFrame, draws: Callable[[MarchFrame, list[Band]], None] | None = None
+) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Draw a frame, by rays unless told; returns rgba (h, w, 4), depth (h, w), and samples (h, w).
+
+    Samples are negative where the device ended the ray.
+    """
     width, height = frame.size_px
     most = frame.device.limits["max-storage-buffer-binding-size"]
     with_hits = frame.keeps_hits or frame.found is not None
     widest = max(HIT_BYTES if with_hits else BYTES_PER_PIXEL, frame.covers.bytes_per_pixel, frame.outlines.bytes_per_pixel)
-    rows = min(height, max(1, most // (widest * width)), MOST_ROWS)
-    bands = [_Band(frame, n, first, min(rows, height - first)) for n, first in enumerate(range(0, height, rows))]
-    tone = frame.scene_stages["tone"]
-    passes = [Pass("march", (), ("radiance", "depth"), lambda: _march(frame, bands))]
+    rows = rows_for_passes(frame, min(height, max(1, most // (widest * width)), MOST_ROWS))
+    bands = [Band(frame, n, first, min(rows, height - first)) for n, first in enumerate(range(0, height, rows))]
+    lit = {"lit_directions": Prepared()} if any(isinstance(x.stages["lighting"], Quantised) for x in frame.layers) else {}
     if frame.found is not None:
-        passes = [Pass("relight", (), ("radiance", "depth"), lambda: light_again(frame, bands))]
-    if any(isinstance(layer.stages["lighting"], Quantised) for layer in frame.layers):
-        passes.insert(0, Pass("directions", (), ("lit_directions",), lambda: light_directions(frame)))
-    if frame.shows_environment:
-        passes.append(Pass("background", ("radiance",), ("radiance",), lambda: put_behind(frame, bands)))
-    if "luminance" in tone.reads:
-        passes.append(Pass("luminance", ("radiance",), ("luminance",), lambda: _luminance(frame, bands)))
-    if frame.tones_late:
-        passes.append(Pass("tone", ("radiance", *tone.reads), ("radiance",), lambda: _tone(frame, bands)))
-    check_plan(passes, ("radiance", "depth"))
-    for step in passes:
-        with frame.clock(step.name):
-            step.run()
-    rgba = np.empty((height, width, 4), dtype=np.float32)
-    depth = np.empty((height, width, 2), dtype=np.float32)
-    with frame.clock("read back"):
-        for band in bands:
-            band.read(rgba, depth)
-        if frame.keeps_hits:
-            frame.kept_hits.append(np.concatenate([band.read_hits() for band in bands]))
-    return rgba, np.where(depth[..., 0] < 3e38, depth[..., 0], np.float32(np.inf)), depth[..., 1]
+        drawing = Step("relight", lit, WANTED, lambda: light_again(frame, bands))
+    else:
+        drawing = Step(frame.scene_stages["driver"].name, lit, WANTED, lambda: (draws or march_rays)(frame, bands))
+    return finish(
+        frame, bands, [Step("directions", {}, {"lit_directions": Prepared()}, lambda: light_directions(frame)), drawing]
+    )
 
 
-class _Band:
+class Band:
     """Rows of an image whose pixels fit into one binding."""
 
     def __init__(self, frame: MarchFrame, number: int, first_row: int, rows: int) -> None:
         width = frame.size_px[0]
         self.first_row, self.rows, self.pixels = first_row, rows, rows * width
-        self.radiance = compute.storage_buffer(frame.device, ("band", "radiance", number), self.pixels * 16)
-        self.depth = compute.storage_buffer(frame.device, ("band", "depth", number), self.pixels * 8)
+        self.number = number
+        self.pictures = {
+            name: compute.storage_buffer(frame.device, ("band", name, number), self.pixels * PIXEL_BYTES[kind.wgsl])
+            for name, kind in (("radiance", COLOUR), ("depth", DEPTH))
+        }
+        self.spare: dict[str, Any] = {}
         if frame.keeps_hits or frame.found is not None:
             self.hits = compute.storage_buffer(frame.device, ("band", "hits", number), self.pixels * HIT_BYTES)
         self.frame = frame
 
-    def uniforms(self) -> FrameUniforms:
+    @property
+    def radiance(self) -> Any:
+        """Buffer of colours and opacities."""
+        return self.pictures["radiance"]
+
+    @property
+    def depth(self) -> Any:
+        """Buffer of depths and samples."""
+        return self.pictures["depth"]
+
+    def other(self, name: str, pixel_bytes: int) -> Any:
+        """Return a buffer for a picture of this name that is not the one it has."""
+        if name in self.spare:
+            return self.spare[name]
+        key = ("band", name, self.number) + (("other",) if name in self.pictures else ())
+        return compute.storage_buffer(self.frame.device, key, self.pixels * pixel_bytes)
+
+    def put(self, name: str, picture: Any) -> None:
+        """Take a picture of this name; what it was before may be written over."""
+        if name in self.pictures:
+            self.spare[name] = self.pictures[name]
+        self.pictures[name] = picture
+
+    def uniforms(self, **part: Any) -> FrameUniforms:
+        """Return the frame's own uniforms for these rows; ``part`` tells which of them a dispatch draws."""
         return FrameUniforms(
+            **part,
             size_px=self.frame.size_px,
             band_first_row=self.first_row,
             band_rows=self.rows,
@@ -336,6 +377,7 @@ class _Band:
         self.frame.device.queue.write_buffer(self.depth, 0, nowhere)
 
     def read(self, rgba: np.ndarray[Any, Any], depth: np.ndarray[Any, Any]) -> None:
+        """Read the rows back into those of an image."""
         part = slice(self.first_row, self.first_row + self.rows)
         width = self.frame.size_px[0]
         for source, target, channels in ((self.radiance, rgba, 4), (self.depth, depth, 2)):
@@ -343,43 +385,70 @@ class _Band:
             target[part] = np.frombuffer(data, dtype=np.float32).reshape(self.rows, width, channels)
 
     def read_hits(self) -> np.ndarray[Any, Any]:
+        """Read back what was kept at surfaces."""
         data = self.frame.device.queue.read_buffer(self.hits, 0, self.pixels * HIT_BYTES)
         return np.frombuffer(data, dtype=np.float32).reshape(self.rows, self.frame.size_px[0], HIT_BYTES // 4)
 
 
-def _bind(frame: MarchFrame, program: Program, buffers: Mapping[str, Any], name: str, data: bytes) -> list[Any]:
-    device = frame.device
+def bound_groups(
+    frame: MarchFrame, pipeline: compute.Pipeline, buffers: Mapping[str, Any], name: str, data: bytes
+) -> list[Any]:
+    """Bind groups of a pass: what its layers look at, buffers, lights, and uniforms under a name."""
+    device, program = frame.device, pipeline.program
     resources = {
         **bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress),
         **buffers,
         "uniforms": compute.write_uniforms(device, f"uniforms of {name}", data),
         "lights": write_lights(device, frame.scene.lights),
     }
-    return compute.bind_groups(device, compute.pipeline_of(device, program), resources)
+    return compute.bind_groups(device, pipeline, resources)
 
 
-def _march(frame: MarchFrame, bands: list[_Band]) -> None:
+def uploaded(frame: MarchFrame, program: Program) -> dict[str, Any]:
+    """Values of the uniforms of a driver's program, of which all resources are on the device then."""
+    device = frame.device
+    values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress)
+    bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress)
+    return values | late_tones(frame)
+
+
+def written_clips(frame: MarchFrame) -> dict[str, Any]:
+    """Buffer of the clips, where there are some."""
+    if not frame.clips:
+        return {}
+    world_from_device = np.eye(4)
+    world_from_device[:3, 3] = frame.anchor_world
+    packed = pack_clips(frame.clips, world_from_device, frame.outlines.solids)
+    return {"clips": compute.write_storage(frame.device, "clips", packed)}
+
+
+def drawn_meshes(frame: MarchFrame, band: Band) -> dict[str, Any]:
+    """Buffers of what the rays of a band meet of meshes, those that clip and those that are seen."""
+    found = {}
+    if frame.outlines.solids:
+        with frame.clock("clips"):
+            found = {"changes": frame.outlines.draw(band)}
+    if frame.covers.meshes:
+        with frame.clock("meshes"):
+            found |= {"covers": frame.covers.draw(band, found)}
+    return found
+
+
+def march_rays(frame: MarchFrame, bands: list[Band]) -> None:
+    """Draw bands of rows by a ray a pixel."""
     device = frame.device
     with frame.clock("link and compile"):
         program = march_program(frame)
         pipeline = compute.pipeline_of(device, program)
     with frame.clock("upload"):
-        values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress)
-        if frame.tones_late:
-            values["tone"] = tones.Linear()
-        bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress)
+        values = uploaded(frame, program)
     x, y = program.key.group_px
     sizes = tuple(layer.context.volume.size for layer in frame.layers)
     pace: Pace = device.kept.get(("pace", program.key, frame.step_world, sizes), Pace)
     total = frame.size_px[0] * frame.size_px[1] if frame.chosen is None else len(frame.chosen)
     before = 0
     shown = shown_columns(frame) if frame.chosen is None else None
-    extra: dict[str, Any] = {}
-    if frame.clips:
-        world_from_device = np.eye(4)
-        world_from_device[:3, 3] = frame.anchor_world
-        packed = pack_clips(frame.clips, world_from_device, frame.outlines.solids)
-        extra["clips"] = compute.write_storage(device, "clips", packed)
+    extra = written_clips(frame)
     for band in bands:
         if shown is not None or frame.chosen is not None:
             band.clear()
@@ -388,26 +457,20 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
             continue
         if rows is not None:
             extra["chosen"] = compute.write_storage(device, "chosen", rows.tobytes())
-        covers = {}
-        if frame.outlines.solids:
-            with frame.clock("clips"):
-                covers = {"changes": frame.outlines.draw(band)}
-        if frame.covers.meshes:
-            with frame.clock("meshes"):
-                covers |= {"covers": frame.covers.draw(band, covers)}
-        groups = _bind(
+        groups = bound_groups(
             frame,
-            program,
+            pipeline,
             {"radiance": band.radiance, "depth": band.depth}
             | extra
-            | covers
+            | drawn_meshes(frame, band)
+            | reaches(frame, band)
             | ({"hits": band.hits} if frame.keeps_hits else {}),
             "march",
             pack_uniforms(program, band.uniforms(), values),
         )
         target = device.kept.find(("buffer", "uniforms of march"))
 
-        def submit(tile: Tile, band: _Band = band, groups: list[Any] = groups, target: Any = target) -> None:
+        def submit(tile: Tile, band: Band = band, groups: list[Any] = groups, target: Any = target) -> None:
             part = replace(band.uniforms(), tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
             device.queue.write_buffer(target, 0, pack_uniforms(program, part, values))
             rows = device.strands * -(-tile.height // (y * device.strands))
@@ -424,31 +487,3 @@ def _march(frame: MarchFrame, bands: list[_Band]) -> None:
         run_tiles(device, parts, submit, pace, frame.check, done)
         before += band.pixels if rows is None else min(rows.size, total - before)
         frame.progress("render", before, total)
-
-
-def _luminance(frame: MarchFrame, bands: list[_Band]) -> None:
-    """Measure the log-average luminance; the sums of all bands are joined on the host in float64."""
-    device = frame.device
-    program = build_program(ProgramKey("passes/luminance.wgsl", (), (), ("radiance", "sums"), (), Switches(), device.traits))
-    total = np.zeros(2)
-    for band in bands:
-        sums = compute.storage_buffer(device, "luminance sums", LUMINANCE_SUMS * 8)
-        data = pack_uniforms(program, band.uniforms(), {})
-        groups = _bind(frame, program, {"radiance": band.radiance, "sums": sums}, "luminance", data)
-        compute.dispatch(device, compute.pipeline_of(device, program), groups, (LUMINANCE_SUMS // 64, 1, 1))
-        read = np.frombuffer(device.queue.read_buffer(sums, 0, LUMINANCE_SUMS * 8), dtype=np.float32)
-        total += read.reshape(-1, 2).sum(axis=0, dtype=np.float64)
-    frame.measured["luminance"] = math.exp(total[0] / total[1]) if total[1] > 0 else 0.0
-
-
-def _tone(frame: MarchFrame, bands: list[_Band]) -> None:
-    device = frame.device
-    program = frame.program("passes/tone.wgsl", ("radiance",), ("luminance",))
-    values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress)
-    values["luminance"] = LuminanceUniforms(frame.measured.get("luminance", 0.0))
-    x, y = device.traits.workgroup
-    for band in bands:
-        data = pack_uniforms(program, band.uniforms(), values)
-        groups = _bind(frame, program, {"radiance": band.radiance}, "tone", data)
-        counts = (-(-frame.size_px[0] // x), -(-band.rows // y), 1)
-        compute.dispatch(device, compute.pipeline_of(device, program), groups, counts)

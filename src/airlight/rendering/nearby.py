@@ -83,7 +83,12 @@ def shifted(point: Any, anchor_world: FloatArray) -> tuple[float, float, float]:
 
 
 def shifted_lights(lights: tuple[Light, ...], anchor_world: FloatArray) -> tuple[Light, ...]:
-    """Lights in the device's world; only point lights have a place."""
-    return tuple(
-        replace(light, vector=shifted(light.vector, anchor_world)) if light.kind == "point" else light for light in lights
-    )
+    """Lights in the device's world; only point and spot lights have a place."""
+    return tuple(_shifted_light(light, anchor_world) for light in lights)
+
+
+def _shifted_light(light: Light, anchor_world: FloatArray) -> Light:
+    if light.kind not in ("point", "spot"):
+        return light
+    beam = None if light.beam is None else replace(light.beam, target=shifted(light.beam.target, anchor_world))
+    return replace(light, vector=shifted(light.vector, anchor_world), beam=beam)

@@ -28,11 +28,26 @@ if TYPE_CHECKING:
 MOST_TILE = 2048
 MOST_FRAGMENT_BYTES = 64 << 20  # of the triangles of a tile's pixels
 NEAR = 1e-4  # of the distance of the farthest point: what is nearer to the eye is not drawn
+SKIN_VOXELS = 1e-3
+SKIN_PX = 1 / 64
 
 
 def has_projection(camera: Stage) -> bool:
     """Whether a rasteriser makes a camera's images."""
     return "clip_place" in parse(stage_source(camera.wgsl, camera.name)).declared
+
+
+def skin_world(frame: MarchFrame) -> float:
+    """How far proxies are to lie outside of what they stand for, as a frame's camera sees its layers [world].
+
+    Rasterisers round corners to 256ths of a pixel, and leave out pixels whose middle lies right on an edge.
+    """
+    camera: Any = frame.scene_stages["camera"]
+    at_eye_world, per_world = camera.pixel_width(frame.size_px)
+    corners = np.concatenate([layer.context.volume.corners_world(layer.field.cells) for layer in frame.layers])
+    depths = (corners - frame.anchor_world - np.asarray(camera.eye)) @ camera.basis()[2]
+    voxel = min(min(layer.context.volume.spacing) for layer in frame.layers)
+    return float(max(SKIN_VOXELS * voxel, SKIN_PX * (at_eye_world + per_world * depths.max(initial=0.0))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,9 +183,7 @@ class Rasterised:
 
     def targets(self, tile: Tile) -> raster.Targets:
         """Textures of a tile's size."""
-        device, size = self.frame.device, (tile.width, tile.height)
-        found: raster.Targets = device.kept.get(("targets", size), lambda: raster.targets_of(device, size))
-        return found
+        return raster.targets_of_size(self.frame.device, (tile.width, tile.height))
 
     def resolved(self, program: Program, tile: Tile, number: int, resources: dict[str, Any]) -> None:
         """Run a pass over the pixels of a tile that looks at the triangles of a mesh."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import atexit
 import threading
 import weakref
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from concurrent.futures import CancelledError, Future
 from typing import Any
 
@@ -16,6 +16,7 @@ from ..gpu.thread import Job, RenderThread, T
 from ..scene import Scene, check_scene
 from ..shader.program import Program
 from ..stage import Stage, make_stage
+from ..stages.passes import checked_passes
 from ..transfer.given import check_size, number, whole
 from .budget import draw_in_time
 from .frame import Request, draw, explain, relight
@@ -111,11 +112,12 @@ class Renderer:
         tolerance: float | None = None,
         budget_ms: float | None = None,
         keep_hits: bool = False,
+        passes: Iterable[str | Stage] = (),
         progress: Progress | None = None,
     ) -> Image:
         """Draw a scene and wait for it; see ``airlight.render``."""
         options: dict[str, Any] = {"driver": driver, "step": step, "skip": skip, "tolerance": tolerance, "budget_ms": budget_ms}
-        return self.submit(scene, size, **options, keep_hits=keep_hits, progress=progress).result()
+        return self.submit(scene, size, **options, keep_hits=keep_hits, passes=passes, progress=progress).result()
 
     def refine(
         self,
@@ -126,6 +128,7 @@ class Renderer:
         skip: str = "auto",
         tolerance: float = 1 / 255,
         keep_hits: bool = False,
+        passes: Iterable[str | Stage] = (),
         progress: Progress | None = None,
         view: Hashable = None,
     ) -> Iterator[Image]:
@@ -133,7 +136,7 @@ class Renderer:
 
         Parameters
         ----------
-        scene, size, driver, skip, tolerance, keep_hits, progress
+        scene, size, driver, skip, tolerance, keep_hits, passes, progress
             As for ``airlight.render``.
         view
             What the images are for. A new frame of the same view, or ``close_view`` from another thread, ends the iteration
@@ -151,7 +154,7 @@ class Renderer:
         ...     for image in renderer.refine(scene, (512, 512)):
         ...         show(image)
         """
-        request = _request(scene, size, driver, 1.0, skip, keep_hits, number(tolerance, "tolerance"))
+        request = _request(scene, size, driver, 1.0, skip, keep_hits, number(tolerance, "tolerance"), passes=passes)
         return self._images(scene, request, progress, view)
 
     def _images(self, scene: Scene, request: Request, progress: Progress | None, view: Hashable) -> Iterator[Image]:
@@ -184,11 +187,15 @@ class Renderer:
             if view is None:
                 self._refined.pop(own, None)  # without the lock: whoever collects garbage may hold one
 
-    def relight(self, image: Image, scene: Scene, *, progress: Progress | None = None) -> Image:
+    def relight(
+        self, image: Image, scene: Scene, *, passes: Iterable[str | Stage] = (), progress: Progress | None = None
+    ) -> Image:
         """Light the surfaces of an image again, without a march; see ``airlight.relight``."""
 
+        own = checked_passes(passes)
+
         def work(job: Job[Image]) -> Image:
-            return self._guarded(job, lambda device: relight(device, image, scene, job.check, progress or silent))
+            return self._guarded(job, lambda device: relight(device, image, scene, job.check, progress or silent, own))
 
         return self._thread.submit(work).result()
 
@@ -203,11 +210,12 @@ class Renderer:
         tolerance: float | None = None,
         budget_ms: float | None = None,
         keep_hits: bool = False,
+        passes: Iterable[str | Stage] = (),
         progress: Progress | None = None,
         view: Hashable = None,
     ) -> Future[Image]:
         """Post a frame; of one ``view`` only the newest frame is drawn, the futures of older ones are cancelled."""
-        request = _request(scene, size, driver, step, skip, keep_hits, tolerance, budget_ms)
+        request = _request(scene, size, driver, step, skip, keep_hits, tolerance, budget_ms, passes)
         way = draw if tolerance is None else draw_within
         way = draw_in_time if budget_ms is not None else way
         with self._lock:
@@ -269,6 +277,7 @@ def _request(
     keep_hits: bool = False,
     tolerance: float | None = None,
     budget_ms: float | None = None,
+    passes: Iterable[str | Stage] = (),
 ) -> Request:
     """What is asked of a frame of a scene, checked."""
     check_scene(scene)
@@ -276,7 +285,8 @@ def _request(
     tolerance = None if tolerance is None else number(tolerance, "tolerance")
     budget_ms = None if budget_ms is None else number(budget_ms, "budget_ms")
     chosen = make_stage("driver", driver)
-    return Request((int(size[0]), int(size[1])), chosen, number(step, "step"), skip, keep_hits, tolerance, budget_ms)
+    size_px, own = (int(size[0]), int(size[1])), checked_passes(passes)
+    return Request(size_px, chosen, number(step, "step"), skip, keep_hits, tolerance, budget_ms, passes=own)
 
 
 _shared: dict[str | None, Renderer] = {}

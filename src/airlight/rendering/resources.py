@@ -5,14 +5,14 @@ What is kept lives as long as the volume or table it was made of, unless others 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..errors import LimitError, StageError
-from ..gpu import blocks, compute, gradients, slab_tables, textures
+from ..gpu import blocks, compute, gradients, slab_tables, stacks, textures
 from ..gpu.device import Device
 from ..gpu.labels import upload_labels
 from ..gpu.ranges import block_count
@@ -43,7 +43,9 @@ from ..stage import (
     LitDirections,
     OpennessGrid,
     Resource,
+    ShadowGrid,
     SlabTable,
+    Stack,
     Stage,
     Table,
 )
@@ -51,8 +53,9 @@ from ..stages.field import Field, needed_groups
 from ..stages.field_channels import by_group, lines_of
 from ..volume import FloatArray, domain_index
 
+GRIDS = ("grid", "loaded_grid", "stack", "loaded_stack")
 FULL = 0.95  # of the blocks hold something
-LIGHT_KINDS = {"head": 0, "directional": 1, "point": 2}
+LIGHT_KINDS = {"head": 0, "directional": 1, "point": 2, "spot": 2}
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,10 +80,29 @@ class DrawnLayer:
 
 
 def grid_texture(device: Device, grid: Grid, progress: textures.Progress) -> textures.VolumeTexture:
-    """Texture of a grid; not uploaded again for the same volume."""
+    """Texture of a grid, or of the stack of one; not uploaded again for the same volume."""
+    if isinstance(grid, Stack):
+        return stack_texture(device, grid, progress)
     key = ("grid", grid.channels, grid.time, grid.filtered, grid.masked, grid.levels)
     found: textures.VolumeTexture = device.kept.get(key, lambda: textures.upload_grid(device, grid, progress), grid.volume)
     return found
+
+
+def stack_texture(device: Device, stack: Stack, progress: textures.Progress) -> textures.VolumeTexture:
+    """Texture of a stack; not uploaded again for the same volume and axis."""
+    key = (*_stack_key(stack), stack.axis)
+    made: textures.VolumeTexture = device.kept.get(key, lambda: stacks.upload_stack(device, stack, progress), stack.volume)
+    return made
+
+
+def _stack_key(stack: Stack) -> tuple[Hashable, ...]:
+    return "stack", stack.channels, stack.time, stack.filtered, stack.masked
+
+
+def held_axes(device: Device, stack: Stack) -> list[int]:
+    """Axes along which stacks of the same samples are on the device, in the order of their use."""
+    mine = _stack_key(stack)
+    return [key[len(mine)] for key in device.kept if key[: len(mine)] == mine and key[-1] == id(stack.volume)]  # type: ignore[misc]
 
 
 def label_texture(device: Device, cells: LabelCells, progress: textures.Progress) -> textures.VolumeTexture:
@@ -187,7 +209,7 @@ def bound_resources(
         slot, index, name = binding.owner
         if binding.kind == "sampler":
             found[binding.name] = compute.linear_sampler(device)
-        elif binding.kind in ("table", "layers", "grid", "loaded_grid", "gradients", "labels", "openness"):
+        elif slot and binding.kind in ("table", "layers", *GRIDS, "gradients", "labels", "openness"):
             resource = (scene if index is None else layers[index].resources)[slot][name]
             found[binding.name] = _view(device, resource, layers, index or 0, anchor_world, progress)
     return found
@@ -203,6 +225,8 @@ def _view(
 ) -> Any:
     layer = layers[number]
     match resource:
+        case Stack():
+            return stack_texture(device, resource, progress).texture.create_view(dimension="2d-array")
         case Grid():
             return grid_texture(device, resource, progress).texture.create_view()
         case Table():
@@ -216,7 +240,8 @@ def _view(
         case GradientGrid():
             return _gradient_texture(device, resource, layer, anchor_world, progress).create_view()
         case ClassifiedGrid():
-            return _classified_texture(device, resource, layer, anchor_world, progress).create_view()
+            texture = _classified_texture(device, resource, layer, anchor_world, progress)
+            return texture.create_view(dimension="2d-array" if isinstance(resource.grid, Stack) else "3d")
         case BlockLeaps():
             return layer_leaps(device, layer).texture.create_view()
         case BlockBounds():
@@ -233,6 +258,10 @@ def _view(
             from .occlusion import openness_texture  # it is made of what stands here
 
             return openness_texture(device, resource, layer, anchor_world, progress).create_view()
+        case ShadowGrid():
+            from .shadows import shadow_texture
+
+            return shadow_texture(device, resource, layer, anchor_world, progress).create_view()
 
 
 def _gradient_texture(
@@ -263,11 +292,11 @@ def _classified_texture(
     used: dict[str, Stage] = {"field": resource.field, "transfer": resource.transfer}
     alone = DrawnLayer(used, context, {slot: stage.resources(context) for slot, stage in used.items()})
     values = {"classify": ClassifyUniforms(resource.weighted and not resource.function.associated)}
+    axis = grid.axis if isinstance(grid, Stack) else None
+    root, output = ("classified_grid", "classified_out") if axis is None else ("classified_stack", "classified_stack_out")
     return device.kept.get(
-        ("classified", grid.channels, grid.time, resource.function, resource.weighted, grid.filtered),
-        lambda: _voxel_texture(
-            device, alone, "classified_grid", "classified_out", "rgba32float", values, anchor_world, progress
-        ),
+        ("classified", axis, grid.channels, grid.time, resource.function, resource.weighted, grid.filtered),
+        lambda: _voxel_texture(device, alone, root, output, "rgba32float", values, anchor_world, progress, axis),
         grid.volume,
     )
 
@@ -310,8 +339,9 @@ def _voxel_texture(
     extra: dict[str, Any],
     anchor_world: FloatArray,
     progress: textures.Progress,
+    axis: int | None = None,
 ) -> Any:
-    """Texture that a pass fills, voxel by voxel, by the stages of a layer that has no others."""
+    """Texture, in layers along an axis if any, that a pass fills voxel by voxel by the stages of a layer without others."""
     program = build_program(_alone_key(device, alone, root, output, ("slice", *extra)))
     values = extra | uniform_values(device, {}, (alone,), anchor_world, progress)
     bound = bound_resources(device, program, (alone,), {}, anchor_world, progress)
@@ -319,4 +349,5 @@ def _voxel_texture(
     def pack(first_z: int) -> bytes:
         return pack_uniforms(program, FrameUniforms(), values | {"slice": SliceUniforms(first_z)})
 
-    return gradients.compute_voxels(device, program, output, texel_format, pack, bound, alone.context.volume.size, progress)
+    size = alone.context.volume.size
+    return gradients.compute_voxels(device, program, output, texel_format, pack, bound, size, progress, axis=axis)

@@ -18,12 +18,14 @@ from ..stage import (
     LabelCells,
     OpennessGrid,
     Resource,
+    ShadowGrid,
     SlabTable,
+    Stack,
     Table,
 )
 from .disagreement import disagreement_of
 from .march import MarchFrame, switches_of
-from .resources import FULL, grid_texture, label_texture
+from .resources import FULL, DrawnLayer, grid_texture, held_axes, label_texture
 
 
 class Estimates(Mapping[str, float]):
@@ -75,6 +77,7 @@ def frame_statistics(frame: MarchFrame, step: float) -> dict[str, Any]:
                     }
                     for t in textures
                 ],
+                "stacks": _stacks(frame, layer),
                 "tables": tables,
                 "voxels": {
                     f"{slot}.{name}": made
@@ -124,12 +127,21 @@ def skip_statistics(frame: MarchFrame) -> dict[str, str]:
     """Whether blocks are passed over, and why not where it was asked for."""
     switches = switches_of(frame)
     if switches.skips_blocks or switches.looks_for_extremes:
-        return {"asked": frame.skip, "done": "blocks"}
+        return {"asked": frame.skip, "done": "geometry" if frame.skip == "geometry" else "blocks"}
     if frame.skip == "none":
         return {"asked": "none", "done": "none"}
     full = any(layer.is_full for layer in frame.layers)
     why = f"at least {FULL:.0%} of the blocks hold something" if full else "the look does not tell which blocks change nothing"
     return {"asked": frame.skip, "done": "none", "reason": why}
+
+
+def _stacks(frame: MarchFrame, layer: DrawnLayer) -> dict[str, Any]:
+    """Axis of the stack that is drawn, and bytes of those that are on the device, by axis, also from frames before."""
+    found = layer.resources["field"].get("grid")
+    if not isinstance(found, Stack):
+        return {}
+    count = grid_texture(frame.device, found, frame.progress).bytes  # the same for each axis: all hold all voxels
+    return {"drawn": "xyz"[found.axis], "bytes": {"xyz"[axis]: count for axis in sorted(held_axes(frame.device, found))}}
 
 
 def _shape(resource: Resource) -> list[int]:
@@ -143,7 +155,10 @@ def _shape(resource: Resource) -> list[int]:
             x, y, z = resource.grid.volume.size
             return [z, y, x, 4]
         case OpennessGrid():
-            x, y, z = resource.cells
+            x, y, z = resource.occluders.cells
+            return [z, y, x, 4]
+        case ShadowGrid():
+            x, y, z = resource.size
             return [z, y, x, 4]
     return []
 

@@ -33,6 +33,7 @@ class RenderOptions(TypedDict, total=False):
     step: float
     tolerance: float
     skip: str
+    passes: tuple[Stage, ...]
 
 
 def checked_options(table: Table) -> RenderOptions:
@@ -54,9 +55,20 @@ def checked_options(table: Table) -> RenderOptions:
         driver = stage_in(table, "driver", "driver")
         name = table.data["driver"]
         options["driver"] = name if isinstance(name, str) else driver
-    table.taken |= {*hints, "driver"}
+    if "passes" in table.data:
+        options["passes"] = passes_in(table)
+    table.taken |= {*hints, "driver", "passes"}
     table.close()
     return options
+
+
+def passes_in(table: Table) -> tuple[Stage, ...]:
+    """Passes over the finished picture, each a name or a table."""
+    given = table.data["passes"]
+    if not isinstance(given, list):
+        raise table.error("passes", f"is {given!r}, must be a list of names and tables", 'e.g. ["bounding_box"]')
+    alone = (Table({"passes": one}, table.place, table.file, table.text) for one in given)
+    return tuple(stage_in(one, "passes", "passes") for one in alone)
 
 
 def recipe_of(table: Table) -> dict[str, Any]:

@@ -81,7 +81,7 @@ def load_scene(
     if version != FORMAT:
         raise root.error("format", f"is {version}, this version reads {FORMAT}", "use a newer airlight")
     background = _background(root, picture)
-    lights = [_light(table) for table in root.tables("lights")] if "lights" in root.data else None
+    lights = [_light(table, _beside(folder, untrusted)) for table in root.tables("lights")] if "lights" in root.data else None
     clips = _clips(root, folder, untrusted)
     layers = [_layer(table, volume, picture, (folder, untrusted)) for table in root.tables("layers")]
     annotations = [_annotation(table) for table in root.tables("annotations")]
@@ -207,6 +207,6 @@ def _annotation(table: Table) -> Annotation:
         return annotation_from_dict(table.data)
 
 
-def _light(table: Table) -> Light:
+def _light(table: Table, place: Callable[[str], str]) -> Light:
     with table.located_inside("light"):
-        return Light.from_dict(table.data)
+        return Light.from_dict(table.data, place)

@@ -67,6 +67,8 @@ def describe_type(hint: Any) -> str:
         return "a list" if parts[-1] is Ellipsis else f"a list of {len(parts)}, each {describe_type(parts[0])}"
     if kind is Environment:
         return ENVIRONMENT
+    if isinstance(kind, type) and issubclass(kind, Stage):
+        return f"one of {', '.join(sorted(STAGES[kind.slot]))}, with parameters in a table"
     words = {float: "a number", int: "a whole number", bool: "true or false", str: "text", type(None): "none"}
     return words.get(kind, "a list of numbers" if kind is np.ndarray else getattr(kind, "__name__", str(kind)))
 
@@ -85,6 +87,9 @@ def _as_kind(value: Any, kind: Any, opened: Opener) -> Any:
         return float(value)
     if kind is Environment and isinstance(value, (str, dict)):
         return Environment.named(value, opened) if isinstance(value, str) else Environment.from_dict(value, opened)
+    if isinstance(kind, type) and issubclass(kind, Stage) and isinstance(value, (str, dict)):
+        given = {"name": value} if isinstance(value, str) else dict(value)
+        return stage_from_values(kind.slot, given.pop("name", ""), given, kind.slot, opened)
     if kind is np.ndarray and isinstance(value, (list, tuple)):
         with contextlib.suppress(ValueError):
             return np.array(value, dtype=np.float64)

@@ -35,7 +35,7 @@ def save_scene(
     path
         The file; it appears whole or not at all.
     render
-        Options for the table ``[render]``: size, driver, step, tolerance, skip.
+        Options for the table ``[render]``: size, driver, step, tolerance, skip, passes.
     embed
         Where volumes that came from no file are written, as NRRD; the second gets ``-2`` behind its name, and so on.
 

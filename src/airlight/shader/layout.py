@@ -6,6 +6,7 @@ uniform buffers, which start at multiples of 16 bytes).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -142,6 +143,40 @@ def pack(struct: Struct, value: Any) -> bytes:
     record = np.zeros((), dtype=struct.dtype)
     fill(record, struct, value)
     return record.tobytes()
+
+
+def size_in(text: str, name: str) -> int:
+    """Bytes of a struct that a linked text declares, as an element of an array.
+
+    Raises
+    ------
+    StageError
+        For types without a size of their own.
+    """
+    code = re.sub(r"\b(vec[234]|mat[234]x[234])<\s*([fiu])32\s*>", r"\1\2", re.sub(r"//[^\n]*", "", text))
+    aliases = dict(re.findall(r"\balias\s+(\w+)\s*=\s*([^;]+);", code))
+    structs = dict(re.findall(r"\bstruct\s+(\w+)\s*\{([^}]*)\}", code))
+
+    def measure(kind: str) -> tuple[int, int]:
+        kind = kind.strip()
+        if kind in aliases:
+            return measure(aliases[kind])
+        if kind in LEAF_TYPES:
+            return LEAF_TYPES[kind][:2]
+        array = re.fullmatch(r"array<(.+),\s*(\d+)u?>", kind)
+        if array:
+            alignment, size = measure(array[1])
+            return alignment, int(array[2]) * _round_up(size, alignment)
+        if kind not in structs:
+            raise StageError(f"struct {name}", f"holds a {kind}, which cannot be kept in a buffer", "use f32, u32 or vectors")
+        end, widest = 0, 4
+        for _, member in re.findall(r"(\w+)\s*:\s*((?:[^,<]|<(?:[^<>]|<[^<>]*>)*>)+)", structs[kind]):
+            alignment, size = measure(member)
+            end, widest = _round_up(end, alignment) + size, max(widest, alignment)
+        return widest, _round_up(end, widest)
+
+    alignment, size = measure(name)
+    return _round_up(size, alignment)
 
 
 def _round_up(number: int, multiple: int) -> int:

@@ -20,6 +20,7 @@ from ..stage import (
     BOUND_GROUP_VOXELS,
     BOUND_VOXELS,
     F32,
+    I32,
     SLOTS,
     U32,
     BlockBounds,
@@ -36,7 +37,9 @@ from ..stage import (
     Mat4f,
     OpennessGrid,
     Resource,
+    ShadowGrid,
     SlabTable,
+    Stack,
     Stage,
     Table,
     Vec2u,
@@ -51,6 +54,7 @@ from .layout import Struct, class_struct, make_struct
 from .link import Generated, Linked, link, package_source, parse, stage_source
 
 LUMINANCE_SUMS = 4096
+SURROUND_STEPS = 24  # of luminance, in which it is averaged round pixels
 CHOSEN_WIDTH = 256  # pixels to a row of a list of them
 
 
@@ -127,6 +131,64 @@ class LuminanceUniforms:
 
 
 @dataclass(frozen=True)
+class SurroundUniforms:
+    """Cells of pixels and steps of luminance in which it is averaged round pixels; ``middle_stops`` is the steps' middle."""
+
+    cells: Vec2u = param((1, 1))
+    cell_px: U32 = param(1, unit="px")
+    middle_stops: F32 = param(0.0, unit="stop")
+    step_stops: F32 = param(1.0, unit="stop")
+
+
+@dataclass(frozen=True)
+class PlaneUniforms:
+    """Planes ``dot(normal, p) = first + k * spacing_world`` at which samples lie; see ``airlight.stages.driver_slices``."""
+
+    normal: Vec3f = param((0.0, 0.0, 1.0))
+    first: F32 = param(0.0, unit="world")
+    spacing_world: F32 = param(1.0, unit="world")
+    is_measured: Bool = param(True)
+
+
+@dataclass(frozen=True)
+class GroupUniforms:
+    """The slabs of a sweep that a pass draws, from sample ``first`` to ``last``, and the depths between which it sees."""
+
+    first: F32 = param(0.0)
+    last: F32 = param(1.0)
+    near_world: F32 = param(0.0, unit="world")
+    far_world: F32 = param(1.0, unit="world")
+
+
+@dataclass(frozen=True)
+class PictureUniforms:
+    """The first row of what a pass sees of a picture, and how far it looks."""
+
+    first_row: I32 = param(0, unit="px")
+    reach_px: I32 = param(0, unit="px")
+
+
+@dataclass(frozen=True, eq=False)
+class LampUniforms:
+    """A light that passes a group of slices: its buffer, its picture, and its planes, ``1/per_world`` apart from ``first`` on.
+
+    ``right`` and ``up`` span what lies across its rays; ``spread_world`` is by how much light goes aside that spreads at an
+    angle of 45 degrees.
+    """
+
+    light_from_world: Mat4f = param(None)
+    picture_from_world: Mat4f = param(None)
+    normal: Vec3f = param((0.0, 0.0, 1.0))
+    first: F32 = param(0.0, unit="world")
+    right: Vec3f = param((1.0, 0.0, 0.0))
+    per_world: F32 = param(1.0, unit="1/world")
+    up: Vec3f = param((0.0, 1.0, 0.0))
+    spread_world: F32 = param(0.0, unit="world")
+    ambient: F32 = param(1.0)
+    begins: Vec4f = param((1.0, 1.0, 1.0, 1.0))
+
+
+@dataclass(frozen=True)
 class SliceUniforms:
     """The first of the slices of voxels that a dispatch computes."""
 
@@ -160,6 +222,25 @@ class OcclusionUniforms:
     step_world: F32 = param(1.0, unit="world")
     steps: U32 = param(1)
     directions: U32 = param(1)
+    tint: F32 = param(0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ShadowUniforms:
+    """A light as cells see it, and the cells that a dispatch looks at; those are counted with one more all round.
+
+    ``light`` is where it is, with 1, or the direction towards it, with 0. A sweep goes against ``towards`` along ``axis``.
+    """
+
+    light: Vec4f = param((0.0, 0.0, 1.0, 0.0), unit="cell")
+    low: Vec3f = param((0.0, 0.0, 0.0), unit="cell")
+    high: Vec3f = param((1.0, 1.0, 1.0), unit="cell")
+    world_from_cells: Mat3f = param(None, unit="world/cell")
+    axis: U32 = param(2)
+    towards: F32 = param(1.0)
+    slice: U32 = param(0, unit="cell")
+    is_odd: Bool = param(False)
+    stack_z: U32 = param(0)
 
 
 @dataclass(frozen=True)
@@ -213,7 +294,12 @@ class OutlineUniforms:
 
 EXTRA_UNIFORMS: dict[str, type] = {
     "luminance": LuminanceUniforms,
+    "surround": SurroundUniforms,
+    "picture": PictureUniforms,
     "slice": SliceUniforms,
+    "planes": PlaneUniforms,
+    "group": GroupUniforms,
+    "lamp": LampUniforms,
     "steep": SteepUniforms,
     "classify": ClassifyUniforms,
     "encoding": GradientEncoding,
@@ -221,6 +307,7 @@ EXTRA_UNIFORMS: dict[str, type] = {
     "outline": OutlineUniforms,
     "slab_table": SlabTableUniforms,
     "occlusion": OcclusionUniforms,
+    "shadow": ShadowUniforms,
 }
 
 SPACES = {"uniform": "<uniform>", "lights": "<uniform>", "read": "<storage, read>", "buffer": "<storage, read_write>"}
@@ -230,18 +317,25 @@ PASS_RESOURCES: dict[str, str] = {
     "radiance": "array<vec4f>",
     "depth": "array<vec2f>",
     "sums": "array<vec2f>",
+    "surround_sums": "array<vec2f>",
+    "surround_out": "texture_storage_3d<rg32float, write>",
+    "surround": "texture_3d<f32>",
     "segments": "array<vec4f>",
+    "unfinished": "array<Unfinished>",
     "waiting": "array<vec4f>",
     "slab_table_out": "texture_storage_2d_array<rgba32float, write>",
     "gradients_float16_out": "texture_storage_3d<rgba16float, write>",
     "gradients_snorm8_out": "texture_storage_3d<rgba8snorm, write>",
     "classified_out": "texture_storage_3d<rgba32float, write>",
+    "classified_stack_out": "texture_storage_2d_array<rgba32float, write>",
     "numbers8_out": "texture_storage_3d<rgba8uint, write>",
     "numbers16_out": "texture_storage_3d<rgba16uint, write>",
     "lit_directions_out": "texture_storage_3d<rgba32float, write>",
     "occluders_out": "texture_storage_3d<rgba16float, write>",
     "occluders": "texture_3d<f32>",
     "openness_out": "texture_storage_3d<rgba16float, write>",
+    "shadows_out": "texture_storage_3d<rgba16float, write>",
+    "shadow_slices": "array<vec4f>",
     "hits": "array<vec4f>",
     "chosen": "array<u32>",
     "clips": "array<ClipRecord>",
@@ -255,8 +349,17 @@ PASS_RESOURCES: dict[str, str] = {
     "mesh_vertices": "array<vec4f>",
     "mesh_faces": "array<u32>",
     "triangles": "texture_2d<u32>",
+    "reach_first": "texture_2d<f32>",
+    "reach_last": "texture_2d<f32>",
     "opaque_depth": "texture_depth_2d",
+    "light_before": "texture_2d<f32>",
+    "light_planes": "texture_3d<f32>",
+    "light_planes_out": "texture_storage_3d<rgba16float, write>",
+    "light_picture": "texture_2d<f32>",
+    "added_radiance": "array<vec4f>",
+    "added_depth": "array<vec2f>",
 }
+ARRAYS = ("layers", "stack", "loaded_stack")  # kinds of bindings that are arrays of 2-D textures
 READ_ONLY = ("chosen", "clips", "mesh_vertices", "mesh_faces")
 
 
@@ -324,7 +427,7 @@ class Switches:
     ``looks_for_extremes``: blocks whose values cannot change what has been found are passed over.
     ``has_crossings``: slabs are cut at surfaces of the transfer function. ``lights_faces``: where clips cut, light comes from
     their faces. ``draws_caps``: such faces may be solid. ``cuts_at_covers``: slabs are cut where meshes let light pass.
-    ``adaptive``: slabs are longer where little of them gets through to the eye.
+    ``adaptive``: slabs are longer where little of them gets through to the eye. ``in_parts``: rays are marched part by part.
     """
 
     has_empty: bool = False
@@ -345,6 +448,7 @@ class Switches:
     lights_faces: bool = False
     draws_caps: bool = False
     adaptive: bool = False
+    in_parts: bool = False
 
 
 @dataclass(frozen=True)
@@ -361,6 +465,8 @@ class ProgramKey:
     groups: int = 0  # vectors of four in a value; 0 where it is a single number
     lights: int = 1
     groups_of_layers: tuple[int, ...] = ()  # of each, where there are several
+    reads: tuple[tuple[str, str], ...] = ()  # lists that a pass over pictures reads, with the type of what they hold
+    written: str = ""  # type of what it makes of a pixel
 
     @property
     def group_px(self) -> tuple[int, int]:
@@ -393,10 +499,14 @@ def stage_key(
 
 def _kind(resource: Resource) -> str:
     match resource:
-        case Table() | ClassifiedGrid() | LitDirections():
+        case ClassifiedGrid():
+            return "layers" if isinstance(resource.grid, Stack) else "table"
+        case Table() | LitDirections():
             return "table"
         case SlabTable():
             return "layers"
+        case Stack():
+            return "stack" if resource.filtered else "loaded_stack"
         case Grid():
             return "grid" if resource.filtered else "loaded_grid"
         case BlockBounds():
@@ -405,9 +515,9 @@ def _kind(resource: Resource) -> str:
             return "gradients"
         case LabelCells() | BlockLeaps() | DirectionGrid():
             return "labels"
-        case OpennessGrid():
+        case OpennessGrid() | ShadowGrid():
             return "openness"
-    known = "use Table, SlabTable, Grid, GradientGrid, ClassifiedGrid, LabelCells, BlockLeaps or OpennessGrid"
+    known = "use Table, SlabTable, Grid, Stack, GradientGrid, ClassifiedGrid, LabelCells, BlockLeaps or OpennessGrid"
     raise StageError("a stage", f"asks for a {type(resource).__name__}", known)
 
 
@@ -443,6 +553,8 @@ def build_program(key: ProgramKey) -> Program:
                 told = dict(stage.statics)
                 taps = TAPS[bool(told.get("packed")), bool(told.get("masked"))]
                 slots["taps"] = (*slots.get("taps", ()), (taps, package_source(f"taps/{taps}.wgsl")))
+                voxels = "stack" if dict(stage.resources).get("grid", "").endswith("stack") else "grid"
+                slots["voxels"] = (*slots.get("voxels", ()), (voxels, package_source(f"voxels/{voxels}.wgsl")))
                 is_told = key.switches.skips_blocks and any(name == "leaps" for name, _ in stage.resources)
                 blocks = "bounds" if key.switches.looks_for_extremes else "leaps" if is_told else "unknown"
                 slots["blocks"] = (*slots.get("blocks", ()), (blocks, package_source(f"blocks/{blocks}.wgsl")))
@@ -474,7 +586,15 @@ def build_program(key: ProgramKey) -> Program:
     slots["pixels"] = ((pixels, package_source(f"pixels/{pixels}.wgsl")),)
     driver = next((dict(stage.statics) for slot, stage in key.scene if slot == "driver"), {})
     offsets = driver.get("offsets", "none")
+    lattice = "planes" if "planes" in key.extra else "distance"
+    slots["lattice"] = (("lattice", package_source(f"lattice/{lattice}.wgsl")),)
     slots["offsets"] = ((offsets, package_source(f"offsets/{offsets}.wgsl")),)
+    before = "plane" if "light_before" in key.outputs else "nothing"
+    slots["before"] = ((before, package_source(f"before/{before}.wgsl")),)
+    beam = "thrown" if "light_picture" in key.outputs else "everywhere"
+    slots["beam"] = ((beam, package_source(f"beam/{beam}.wgsl")),)
+    reach = "bounded" if "reach_first" in key.outputs else "whole"
+    slots["reach"] = ((reach, package_source(f"reach/{reach}.wgsl")),)
     hits = "kept" if "hits" in key.outputs else "dropped"
     slots["hits"] = ((hits, package_source(f"hits/{hits}.wgsl")),)
     several = len(key.layers) > 1
@@ -489,10 +609,15 @@ def build_program(key: ProgramKey) -> Program:
         wgsl = PASS_RESOURCES[name]
         kind = _pass_kind(name, wgsl)
         build.names["pass", None, name] = build.bind(3, name, wgsl, kind)
-        if kind == "filtered":
+        if kind in ("filtered", "filtered_2d", "table"):
             build.names["pass", None, f"{name}_sampler"] = build.bind(3, f"{name}_sampler", "sampler", "sampler")
+    for name, wgsl in key.reads:
+        build.names["pass", None, name] = build.bind(3, f"read_{name}", f"array<{wgsl}>", "read")
+    if key.written:
+        build.names["picture", None, "written"] = build.bind(3, "written", f"array<{key.written}>", "buffer")
     x, y = key.traits.workgroup
     constants = {"WORKGROUP_X": x, "WORKGROUP_Y": y, "LUMINANCE_SUMS": LUMINANCE_SUMS, "GROUPS": key.groups}
+    constants |= {"SURROUND_STEPS": SURROUND_STEPS}
     constants |= {"BLOCK_VOXELS": BLOCK_VOXELS, "LIGHTS": key.lights, "CHOSEN_WIDTH": CHOSEN_WIDTH}
     constants |= {"GROUP_X": key.group_px[0], "GROUP_Y": key.group_px[1]}
     constants |= {"BOUND_VOXELS": BOUND_VOXELS, "BOUND_GROUP_VOXELS": BOUND_GROUP_VOXELS}
@@ -536,7 +661,11 @@ def _pass_kind(name: str, wgsl: str) -> str:
     """How a resource of a pass is bound."""
     if wgsl.startswith("array"):
         return "read" if name in READ_ONLY else "buffer"
-    kinds = {"texture_2d<u32>": "numbers_2d", "texture_depth_2d": "depth_2d"}
+    if name == "surround":
+        return "table"  # of 32-bit floats, which not all devices filter
+    if name in ("light_before", "reach_first", "reach_last"):
+        return "loaded_2d"
+    kinds = {"texture_2d<u32>": "numbers_2d", "texture_depth_2d": "depth_2d", "texture_2d<f32>": "filtered_2d"}
     return kinds.get(wgsl, "storage_texture" if "storage" in wgsl else "filtered")
 
 
@@ -576,7 +705,7 @@ class _Builder:
         if kind == "labels":
             self.names[slot, layer, name] = self.bind(group, full, "texture_3d<u32>", kind, owner)
             return
-        texture = "texture_2d_array<f32>" if kind == "layers" else "texture_3d<f32>"
+        texture = "texture_2d_array<f32>" if kind in ARRAYS else "texture_3d<f32>"
         self.names[slot, layer, name] = self.bind(group, full, texture, kind, owner)
         sampler = f"{name}_sampler"
         self.names[slot, layer, sampler] = self.bind(group, f"{full}_sampler", "sampler", "sampler", owner)

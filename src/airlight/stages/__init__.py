@@ -10,10 +10,12 @@ from . import (
     integrate,
     lighting,
     modulation,
+    passes,
     region,
     shade,
     tone,
     transfer,
+    transport,
     visibility,
 )
 
@@ -25,9 +27,11 @@ __all__ = [
     "integrate",
     "lighting",
     "modulation",
+    "passes",
     "region",
     "shade",
     "tone",
     "transfer",
+    "transport",
     "visibility",
 ]

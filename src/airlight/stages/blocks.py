@@ -9,7 +9,19 @@ from itertools import product
 import numpy as np
 
 from ..labels import Labels, drawn_labels, label_numbers
-from ..stage import BlockBounds, BlockLeaps, BlockRanges, BlockShares, BlockSlopes, BlockVariable, Context, Grid, Stage, Within
+from ..stage import (
+    BlockBounds,
+    BlockLeaps,
+    BlockRanges,
+    BlockShares,
+    BlockSlopes,
+    BlockVariable,
+    Context,
+    Grid,
+    Stack,
+    Stage,
+    Within,
+)
 from .field import Field, needed_groups
 from .field_labels import Occupancy
 from .gradient import Gradient
@@ -74,6 +86,7 @@ def variable_of(
     if isinstance(field, Occupancy) and context.labels is not None:
         return drawn_shares(context.labels, context, further) if of == 0 else None
     grid = field.resources(context).get("grid")
+    grid = grid.solid if isinstance(grid, Stack) else grid
     if not isinstance(grid, Grid) or grid.levels:
         return None
     reach, overshoot = max(math.ceil(field.support_voxels) - 1, 0) + further, float(field.overshoot)

@@ -26,34 +26,50 @@ class OffsetUniforms:
     shift: F32 = param(0.0)
 
 
-@register
 @dataclass(frozen=True)
-class March(Stage):
-    """One ray a pixel, sampled at equal distances from the eye, slab by slab."""
+class Driver(Stage):
+    """What all drivers take that go along rays slab by slab."""
 
     slot: ClassVar[str] = "driver"
-    name: ClassVar[str] = "march"
-    wgsl: ClassVar[str] = "march.wgsl"
-    uniform_type: ClassVar[type] = OffsetUniforms
     curved: bool = static(True, help="put values right for the field's curvature where slabs of a smooth field are integrated")
-    offsets: str = static(
-        "none", choices=("none", "interleaved", "blue_noise"), help="shift of the samples along each ray, from pixel to pixel"
-    )
     refine: str = static(
         "bisection",
         choices=("none", "bisection", "secant", "exact"),
         help="how the place of a surface between two samples is sharpened",
     )
-    adaptive: bool = static(
-        False, help="take slabs of up to 8 steps where little of them gets through to the eye; the image changes a little"
-    )
-    blocks: bool = static(True, help="sample each block of 4 voxels that may hold the surface, whatever the step")
     mesh_layers: int = value(
         4, at_least=1, up_to=MOST_MESH_LAYERS, help="most semi-transparent layers of meshes that a ray meets, the nearest ones"
     )
     clip_layers: int = value(
         16, at_least=2, up_to=MOST_CLIP_LAYERS, help="most surfaces of a closed mesh that clips which a ray may pass"
     )
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        super().__post_init__()
+        whole(self.mesh_layers, f"driver.{self.name}.mesh_layers", 1, MOST_MESH_LAYERS)
+        whole(self.clip_layers, f"driver.{self.name}.clip_layers", 2, MOST_CLIP_LAYERS)
+
+    def field_for(self, field: Stage, on_layers: bool) -> Stage:
+        """Return the field that is read in the place of a layer's own; ``on_layers``: at the driver's own samples alone."""
+        return field
+
+
+@register
+@dataclass(frozen=True)
+class March(Driver):
+    """One ray a pixel, sampled at equal distances from the eye, slab by slab."""
+
+    name: ClassVar[str] = "march"
+    wgsl: ClassVar[str] = "march.wgsl"
+    uniform_type: ClassVar[type] = OffsetUniforms
+    offsets: str = static(
+        "none", choices=("none", "interleaved", "blue_noise"), help="shift of the samples along each ray, from pixel to pixel"
+    )
+    adaptive: bool = static(
+        False, help="take slabs of up to 8 steps where little of them gets through to the eye; the image changes a little"
+    )
+    blocks: bool = static(True, help="sample each block of 4 voxels that may hold a surface, whatever the step")
     shift: int = value(
         0, at_least=0, up_to=MOST_SHIFT, help="number of a frame, each with samples at other places: their mean converges"
     )
@@ -62,8 +78,6 @@ class March(Stage):
         """Check the parameters."""
         super().__post_init__()
         whole(self.shift, "driver.march.shift", 0, MOST_SHIFT)
-        whole(self.mesh_layers, "driver.march.mesh_layers", 1, MOST_MESH_LAYERS)
-        whole(self.clip_layers, "driver.march.clip_layers", 2, MOST_CLIP_LAYERS)
 
     def converging(self) -> March:
         """Return the march whose slabs are as long as told."""
@@ -100,3 +114,10 @@ def gains_from_curvature(stages: Mapping[str, Stage]) -> bool:
     """
     wanted = (("integrate", "classifies"), ("transfer", "integrates"), ("field", "smooth"))
     return all(getattr(stages[slot], what, False) for slot, what in wanted)
+
+
+from .driver_half_angle import HalfAngle  # noqa: E402
+from .driver_slices import Shells, SliceDriver, Slices  # noqa: E402  (they are made of the above)
+from .driver_stacks import InterpolatedSlices, ObjectSlices, Stripes  # noqa: E402
+
+__all__ = ["Driver", "HalfAngle", "InterpolatedSlices", "March", "ObjectSlices", "Shells", "SliceDriver", "Slices", "Stripes"]

@@ -262,3 +262,4 @@ from .field_kernels import Kernel as Kernel  # noqa: E402
 from .field_kernels import KernelBody as KernelBody  # noqa: E402
 from .field_kernels import WindowedSinc as WindowedSinc  # noqa: E402
 from .field_levels import Levels as Levels  # noqa: E402
+from .field_stack import LinearStack as LinearStack  # noqa: E402

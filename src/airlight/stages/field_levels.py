@@ -13,7 +13,7 @@ from .camera import Camera
 from .field import Field
 
 FREE_GRADIENTS = ("zero", "central", "sobel", "analytic")
-AT_VOXELS = (("lighting", "quantised"), ("visibility", "ambient_occlusion"))
+AT_VOXELS = (("lighting", "quantised"), ("visibility", "ambient_occlusion"), ("visibility", "shadow_volume"))
 
 
 @dataclass(frozen=True, eq=False)

@@ -74,6 +74,23 @@ class BlinnPhong(Shade):
         return BlinnPhongUniforms(self.ambient, self.diffuse, self.specular, self.shininess, per, self.two_sided)
 
 
+@register
+@dataclass(frozen=True)
+class Phase(Shade):
+    """Light scattered by particles: clouds, smoke, dust, tissue. Nothing depends on normals, and inner parts are lit, too.
+
+    ``rgb * (ambient + sum_l L_l * strength * p)``, with Henyey and Greenstein's phase function ``p``, 1 where ``forward`` is 0.
+    """
+
+    name: ClassVar[str] = "phase"
+    wgsl: ClassVar[str] = "shade/phase.wgsl"
+    ambient: F32 = param(0.1, at_least=0, help="share of the colour that needs no light")
+    strength: F32 = param(0.9, at_least=0, help="share of the colour that lights make")
+    forward: F32 = param(
+        0.0, at_least=-0.9, up_to=0.9, help="asymmetry: above 0 light goes on ahead, below 0 it comes back, at 0 all ways alike"
+    )
+
+
 def weakest_gradient(shade: Stage, context: Context) -> float:
     """Gradient [data/world] below which a shade stage takes nothing for a surface."""
     told = getattr(shade, "gradient_threshold", None)

@@ -102,8 +102,12 @@ class WithSurfaces(Transfer):
         found = super().errors(context)
         if self.sharp or not self.in_medium:
             return found
-        several = partial(crossing_error, context.transfer, context.step_world)
-        return {**found, "colour of a slab with several surfaces": several}
+        function, length = context.transfer, context.step_world
+        return {
+            **found,
+            "colour of a slab with several surfaces": partial(crossing_error, function, length),
+            "colour of a slab's end with several surfaces": partial(crossing_error, function, length, True),
+        }
 
 
 @dataclass(frozen=True)

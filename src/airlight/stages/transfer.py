@@ -41,11 +41,14 @@ from ..transfer.cells import (
 )
 from ..transfer.kinds import DrawnFunction
 from ..transfer.regions import ByRegion
-from ..transfer.tables import check_table, colour_error, entries_needed, is_better_cut
+from ..transfer.runs import medium_of
+from ..transfer.tables import SHORTER, check_table, colour_error, entries_needed, is_better_cut, spread_error
 from ..volume import FloatArray
 
 Vec4 = tuple[float, float, float, float]
-CUT_ERROR = 1e-4  # of a colour
+CUT_ERROR = 2e-4  # of a colour
+SLAB_EVEN = "colour of a slab, its medium spread evenly"
+END_EVEN = "colour of a slab's end, its medium spread evenly"
 
 STAND_INS: dict[type, str] = {
     TransferFunction: "surfaces",
@@ -246,6 +249,11 @@ class FastPreIntegrated(Transfer):
     integrates: ClassVar[bool] = True
     wgsl: ClassVar[str] = "transfer/preintegrated.wgsl"
 
+    def errors(self, context: Context) -> Mapping[str, Estimate]:
+        """Return what the even spread costs a slab, and either of its ends, which counts where they are lit differently."""
+        medium = medium_of(context.transfer)
+        return {what: partial(spread_error, medium, context.step_world, what == END_EVEN) for what in (SLAB_EVEN, END_EVEN)}
+
 
 @register
 @dataclass(frozen=True)
@@ -271,7 +279,7 @@ class ExactPreIntegrated(Transfer):
         return super().variant(context) | {"even": False}
 
     def errors(self, context: Context) -> Mapping[str, Estimate]:
-        """Return what eight nodes, and what is too deep to be seen, cost a slab."""
+        """Return what eight nodes, what is too deep to be seen, and rounding next to control points cost a slab."""
         return {"colour of a slab": CUT_ERROR * float(context.transfer.colours.max())}
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
@@ -305,14 +313,14 @@ class PreIntegrated(Transfer):
 
     def table(self, context: Context) -> SlabTable:
         """Return the table of slabs."""
-        entries = self.entries or entries_needed(context.transfer, context.step_world)
+        entries = self.entries or entries_needed(context.transfer, context.step_world, self.weighted)
         check_table(context.step_world, entries, self.lengths)
         return SlabTable(context.transfer, context.step_world, entries, self.lengths, self.weighted)
 
     def for_context(self, context: Context) -> Transfer:
         """Return the stage that cuts slabs at control points, where the choice is free and no table is accurate."""
         table = self.table(context)
-        if self.entries or not is_better_cut(table.function, table.length):
+        if self.entries or not is_better_cut(table.function, table.length, table.weighted):
             return self
         return self.exact(weighted=self.weighted)
 
@@ -335,9 +343,13 @@ class PreIntegrated(Transfer):
         return super().variant(context) | {"layered": self.lengths > 1}
 
     def errors(self, context: Context) -> Mapping[str, Estimate]:
-        """Return what interpolation between the entries of the table may cost a slab."""
+        """Return what interpolation between the entries of the table may cost a slab, or either of its ends."""
         table = self.table(context)
-        return {"colour of a slab": partial(colour_error, table.function, table.length, table.entries)}
+        least = table.length / table.lengths
+        return {
+            "colour of a slab": partial(colour_error, table.function, table.length, table.entries, table.weighted),
+            "colour of a shorter slab": partial(colour_error, table.function, least, table.entries, table.weighted, SHORTER),
+        }
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
         """Return the function and the table of slabs."""

@@ -124,8 +124,15 @@ class PreIntegratedChannels(Mixture):
     integrates: ClassVar[bool] = True
 
     def errors(self, context: Context) -> Mapping[str, Estimate]:
-        """Return what the even spread may cost a slab at worst: all channels at their densest, one before the other."""
-        return {"colour of a slab, its channels spread evenly": partial(evenness_error, context.transfer, context.step_world)}
+        """Return what the even spread may cost a slab at worst: all channels at their densest, one before the other.
+
+        What it may cost either of its ends counts where they are lit differently.
+        """
+        function, length = context.transfer, context.step_world
+        return {
+            "colour of a slab, its channels spread evenly": partial(evenness_error, function, length),
+            "colour of a slab's end, its channels spread evenly": partial(end_error, function, length),
+        }
 
 
 def evenness_error(mixture: Channels | ByRegion, length: float) -> float:
@@ -135,16 +142,39 @@ def evenness_error(mixture: Channels | ByRegion, length: float) -> float:
     medium, which alone glows with colour ``c``, lies in front, it sends ``c (1 - exp(-f x))`` instead of ``c f (1 - exp(-x))``;
     the difference is greatest for ``exp(-f x) = (1 - exp(-x)) / x``. Sources that are associated may all lie at either end.
     """
-    functions = mixture.functions
-    depth = length * sum(float(function.extinctions.max()) for function in functions)
+    depth, brightest = _depth_and_brightest(mixture, length)
     if depth == 0:
         return 0.0
     mean = -math.expm1(-depth) / depth
-    if functions[0].associated:
-        source = np.sum([function.colours.max(axis=0) for function in functions], axis=0).max()
-        return float(source * length * max(1 - mean, mean - math.exp(-depth)))
-    brightest = max(float(function.colours.max()) for function in functions)
+    if mixture.functions[0].associated:
+        return brightest * max(1 - mean, mean - math.exp(-depth))
     return brightest * (1 - mean + math.log(mean) * mean)
+
+
+def end_error(mixture: Channels | ByRegion, length: float) -> float:
+    """Greatest error of what either end of a slab of a length gets of a colour component when it is drawn as a homogeneous one.
+
+    A share ``f`` of the medium, which alone glows, may lie at the back with nothing in front: that end gets ``1 - exp(-f x)``,
+    and is drawn with ``f h (1 - exp(-x))``, where ``h`` is the back's share of a homogeneous slab, less than the front's. White
+    light is that of all of the medium. Sources that are associated may be seen whole.
+    """
+    depth, brightest = _depth_and_brightest(mixture, length)
+    x = max(depth, 1e-9)
+    back = -math.expm1(-x) / x - math.exp(-x) if x > 1e-4 else x / 2  # h (1 - exp(-x))
+    share = min(1.0, -math.log(back / x) / x)
+    apart = -math.expm1(-share * x) - share * back
+    if mixture.functions[0].associated:
+        return max(brightest * (1 - back / x), apart)
+    return max(brightest, 1.0) * apart
+
+
+def _depth_and_brightest(mixture: Channels | ByRegion, length: float) -> tuple[float, float]:
+    """Greatest optical depth of slabs of a length, and their brightest colour; of associated ones all that they may send."""
+    functions = mixture.functions
+    depth = length * sum(float(function.extinctions.max()) for function in functions)
+    if functions[0].associated:
+        return depth, length * float(np.sum([function.colours.max(axis=0) for function in functions], axis=0).max())
+    return depth, max(float(function.colours.max()) for function in functions)
 
 
 def _listed(numbers: Any) -> FloatArray:

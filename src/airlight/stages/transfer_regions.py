@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
@@ -12,8 +12,8 @@ from ..stage import Context, Estimate, Mat4f, Vec4f, param
 from ..transfer.cells import even_cells, value_axis
 from ..transfer.regions import ByRegion
 from .field_channels import by_group
-from .transfer import Transfer, ends_of, without_table
-from .transfer_channels import OfSeveral, evenness_error
+from .transfer import END_EVEN, SLAB_EVEN, Transfer, ends_of, without_table
+from .transfer_channels import OfSeveral, end_error, evenness_error
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,12 +70,16 @@ class PreIntegratedRegions(OfRegions):
     integrates: ClassVar[bool] = True
 
     def errors(self, context: Context) -> Mapping[str, Estimate]:
-        """Return what the even spread may cost a slab at worst."""
-        return {"colour of a slab, its medium spread evenly": partial(_worst_evenness, context.transfer, context.step_world)}
+        """Return what the even spread may cost a slab at worst, and either of its ends, where they are lit differently."""
+        function, length = context.transfer, context.step_world
+        return {
+            SLAB_EVEN: partial(_worst, evenness_error, function, length),
+            END_EVEN: partial(_worst, end_error, function, length),
+        }
 
 
-def _worst_evenness(regions: ByRegion, length: float) -> float:
-    return max(evenness_error(ByRegion((function,)), length) for function in regions.functions)
+def _worst(error: Callable[[ByRegion, float], float], regions: ByRegion, length: float) -> float:
+    return max(error(ByRegion((function,)), length) for function in regions.functions)
 
 
 def stand_in(stage: Transfer, function: ByRegion) -> Transfer:

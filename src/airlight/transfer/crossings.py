@@ -148,8 +148,11 @@ def cubic(place: npt.ArrayLike) -> FloatArray:
 
 
 @lru_cache(maxsize=32)
-def crossing_error(function: TransferFunction, length: float) -> float:
-    """Greatest error of a colour channel that the cubic makes of slabs that cross several surfaces in a medium; estimated."""
+def crossing_error(function: TransferFunction, length: float, of_ends: bool = False) -> float:
+    """Greatest error of a colour channel that the cubic makes of slabs that cross several surfaces in a medium; estimated.
+
+    ``of_ends`` asks for what either end of the run of surfaces gets instead, white light included, whose sum is exact.
+    """
     m = len(function.surfaces)
     if m < 2:
         return 0.0
@@ -159,7 +162,8 @@ def crossing_error(function: TransferFunction, length: float) -> float:
     between = (LENGTHS[1:] + LENGTHS[:-1]) / 2
     worst = 0.0
     for rises in (True, False):
-        light, _ = runs_in_medium(way_of(function, rises), first, last, length * np.concatenate([LENGTHS, between]))
-        drawn = np.einsum("qn,rnc->rqc", cubic(between), light[:, :4])
-        worst = max(worst, float(np.abs(drawn - light[:, 4:])[..., :3].max()))
+        sent = runs_in_medium(way_of(function, rises), first, last, length * np.concatenate([LENGTHS, between]))
+        light, moment = (np.einsum("qn,rnc->rqc", cubic(between), known[:, :4]) - known[:, 4:] for known in sent)
+        light[..., 3] = 0.0
+        worst = max(worst, *(float(np.abs(part).max()) for part in ((moment, light - moment) if of_ends else (light,))))
     return worst

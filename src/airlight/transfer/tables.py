@@ -34,6 +34,7 @@ ROWS_PER_ENTRY = 3
 ROWS_PER_PIECE = 3
 MOST_AT_ONCE = 1 << 18
 MOST_POINTS = 12
+SHORTER = (0.75, 0.5, 0.25)
 FAR = np.array([(0, 0.5), (0, 1), (0.5, 0), (0.5, 1), (1, 0), (1, 0.5)])
 PART_DEPTH = 2.0
 SEEN_PARTS = 20
@@ -201,32 +202,78 @@ class _Parts:
 
 
 @lru_cache(maxsize=64)
-def colour_error(function: TransferFunction, length: float, entries: int) -> float:
+def colour_error(
+    function: TransferFunction, length: float, entries: int, weighted: bool = False, parts: tuple[float, ...] = (1.0,)
+) -> float:
     """Greatest error of a colour channel that interpolation between entries makes over slabs of a length; estimated.
 
     It is greatest for slabs that begin and end close to the same control point; those round the control points at which the
-    function bends most are tried, and a few far apart.
+    function bends most are tried, and a few far apart. Of a ``weighted`` table it is that of a slab or of either of its ends,
+    for white light, too: lights of one at one end and none at the other show no more. ``parts`` are shares of the length:
+    slabs that are as much shorter, and read from the same table.
     """
     first, last = value_axis(function)
     step = (last - first) / (entries - 1)
     places = np.clip((_critical(function, length, step) - first) / step, 0.0, entries - 1.0)
     near = np.stack(np.broadcast_arrays(places[:, :, None], places[:, None, :]), axis=-1).reshape(-1, 2)
     pairs = np.concatenate([near, (FAR * (entries - 2)).round() + 0.5])
+    if min(parts) < 1:  # worst where much changes along the slab
+        across = np.stack(np.broadcast_arrays(places[:, None, 4], places[None, :, 2]), axis=-1).reshape(-1, 2)
+        pairs = np.concatenate([pairs, across])
     pairs = pairs[np.abs(pairs[:, 1] - pairs[:, 0]) > 1e-3]
+    # Make the texels round each place.
     low = np.minimum(pairs.astype(np.int64), entries - 2)
     corners = low[:, None] + np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
     kept, which = np.unique(corners[..., 0] * entries + corners[..., 1], return_inverse=True)
-    ends = first + step * np.concatenate([pairs, np.stack(np.divmod(kept, entries), axis=-1)]).T
-    light, mean = _light_and_mean(function, ends[0], ends[1], length)
-    weight, move = _weight(mean, length), _move(mean, length)
-    exact, tried = light[: len(pairs)], slice(len(pairs))
-    shift = ((light / weight - mean[:, :3]) / move)[len(pairs) :]
+    ends = first + step * np.stack(np.divmod(kept, entries))
+    light, moment, mean = _light_and_mean(function, ends[0], ends[1], length)
+    move = _move(mean, length)
+    shift = (light[:, :3] / _weight(mean, length) - mean[:, :3]) / move
     shift[kept // entries == kept % entries] = 0.0
+    back = np.where(light > 1e-30, np.clip(moment / np.maximum(light, 1e-30), 0.0, 1.0), 0.5 - move)
+    # Interpolate them.
     w = pairs - low
     share = np.stack([(1 - w[:, 0]) * (1 - w[:, 1]), (1 - w[:, 0]) * w[:, 1], w[:, 0] * (1 - w[:, 1]), w[:, 0] * w[:, 1]])
-    drawn = np.einsum("ck,kcr->kr", share, shift[which.reshape(-1, 4)])
-    drawn = np.clip((mean[tried, :3] + drawn * move[tried]) * weight[tried], 0.0, mean[tried, :3] * length)
-    return float(np.abs(drawn - exact).max(initial=0.0))
+    shift, back = (np.einsum("ck,kcr->kr", share, texels[which.reshape(-1, 4)]) for texels in (shift, back))
+    return max(_read_error(function, length, first + step * pairs.T, part * length, shift, back, weighted) for part in parts)
+
+
+def _read_error(
+    function: TransferFunction,
+    length: float,
+    ends: FloatArray,
+    read_length: float,
+    shift: FloatArray,
+    back: FloatArray,
+    weighted: bool,
+) -> float:
+    """Greatest error of slabs between values (2, n), with what was read of them from the table of another length."""
+    light, moment, mean = _light_and_mean(function, ends[0], ends[1], read_length)
+    move = _move(mean, read_length)
+    drawn = np.clip((mean[:, :3] + shift * move) * _weight(mean, read_length), 0.0, mean[:, :3] * read_length)
+    off = [drawn - light[:, :3]]
+    if weighted:
+        back = np.clip(back + _move(mean, length) - move, 0.0, 1.0)
+        at_back = np.append(drawn, light[:, 3:], axis=1) * back - moment
+        off += [at_back, off[0] - at_back[:, :3]]
+    return max(float(np.abs(part).max(initial=0.0)) for part in off)
+
+
+@lru_cache(maxsize=64)
+def spread_error(function: TransferFunction, length: float, of_ends: bool = False) -> float:
+    """Greatest error of a colour channel, or of an end's part of it, of slabs that are drawn as homogeneous ones; estimated.
+
+    Slabs of a length are tried from next to each of the control points at which the function bends most to all others.
+    """
+    first, last = value_axis(function)
+    values = np.unique(np.clip([first, *_critical(function, length, (last - first) / 32)[:, 1:-1].ravel(), last], first, last))
+    front, back = (a.ravel() for a in np.meshgrid(values, values))
+    light, moment, mean = _light_and_mean(function, front, back, length)
+    drawn = np.append(mean[:, :3] * _weight(mean, length), light[:, 3:], axis=1)
+    if not of_ends:
+        return float(np.abs(drawn - light).max())
+    at_back = drawn * (0.5 - _move(mean, length))
+    return float(max(np.abs(at_back - moment).max(), np.abs(drawn - at_back - (light - moment)).max()))
 
 
 def _critical(function: TransferFunction, length: float, step: float) -> FloatArray:
@@ -261,25 +308,32 @@ def _move(mean: FloatArray, length: float) -> FloatArray:
 
 def _light_and_mean(
     function: TransferFunction, front: FloatArray, back: FloatArray, length: float
-) -> tuple[FloatArray, FloatArray]:
-    """Colour (n, 3) of slabs, and (n, 4) mean source and extinction."""
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Colour and white light (n, 4) of slabs, their first moment (n, 4), and (n, 4) mean source and extinction."""
     first, last = value_axis(function)
     apart = np.where(front == back, 1e-9 * (last - first), 0.0)
     back = np.where(back + apart > last, back - apart, back + apart)
-    light, _ = slab_light(function, front, back, length)
+    light, moment = slab_light(function, front, back, length)
     source = integral_to(function, np.stack([front, back]))
     mean = (source[1] - source[0]) / ((back - front) / (last - first))[:, None]
-    return light[:, :3], np.maximum(mean, 0.0)
+    return light, moment, np.maximum(mean, 0.0)
 
 
 @lru_cache(maxsize=64)
-def entries_needed(function: TransferFunction, length: float) -> int:
+def entries_needed(function: TransferFunction, length: float, weighted: bool = False) -> int:
     """Least of the usual sizes whose interpolation stays below 1/512 over slabs of a length, or the greatest of them."""
-    return next((n for n in SIZES if colour_error(function, length, n) <= ACCURATE), SIZES[-1])
+
+    def is_accurate(entries: int) -> bool:
+        return colour_error(function, length, entries, weighted) <= ACCURATE
+
+    # The least size does for most functions, and none for most others.
+    if is_accurate(SIZES[0]):
+        return SIZES[0]
+    return next(filter(is_accurate, SIZES)) if is_accurate(SIZES[-1]) else SIZES[-1]
 
 
-def is_better_cut(function: TransferFunction, length: float) -> bool:
+def is_better_cut(function: TransferFunction, length: float, weighted: bool = False) -> bool:
     """Whether no usual size is accurate, and control points are few enough to go from one to the next within a slab."""
     if len(pieces_of(function).low) > MOST_PIECES:
         return False
-    return colour_error(function, length, entries_needed(function, length)) > ACCURATE
+    return colour_error(function, length, entries_needed(function, length, weighted), weighted) > ACCURATE

@@ -1,11 +1,11 @@
 // What of a ray is marched: the pieces that clips keep, up to the nearest opaque mesh. And meshes, in between and behind.
 
-import generated::sizes::{FILLS, SKIPS_BLOCKS, SURFACES_ONLY};
+import generated::sizes::{CUTS_AT_COVERS, FILLS, IN_PARTS, SKIPS_BLOCKS, SURFACES_ONLY};
 import package::cover::{Cover, result_over};
 import package::kept::Kept;
 import package::ray::INFINITE;
 import package::sample::{Sample, Slab, Result};
-import package::walk::{Line, next_block};
+import package::walk::{Line, border_before, next_block};
 import slot::clips::{HAS_CLIPS, kept_from};
 import slot::covers::{HAS_COVERS, cover_at};
 import slot::integrate::{Accumulated, take};
@@ -25,6 +25,16 @@ fn next_kept(line: Line, t_world: f32, t_leave: f32) -> Kept {
     if (!HAS_CLIPS || !SKIPS_BLOCKS || FILLS || kept.begin >= kept.end || next_block(line, kept.begin, kept.end) < kept.end) { break; }
   }
   return kept;
+}
+
+// Where the slabs begin [world] of which those from a distance on are the rest: at a cut, a border of layers, or a mesh.
+fn begin_of(line: Line, kept: Kept, at: u32, covers_taken: u32, t_world: f32) -> f32 {
+  var begin = kept.begin;
+  if (IN_PARTS) {
+    begin = max(begin, border_before(line, t_world));
+    if (CUTS_AT_COVERS && covers_taken > 1u) { begin = max(begin, cover_at(at, covers_taken - 1u).t_world); }
+  }
+  return min(begin, t_world);
 }
 
 // Take the meshes that let light pass up to a distance, from one number on; return the distance of the next, at which slabs end.

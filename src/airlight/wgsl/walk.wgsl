@@ -1,25 +1,26 @@
 // A ray's way through the domain, and the samples on it: what the kinds of walks share. How a walk finds the next slab that
 // matters: `slot::walk`.
 
-import generated::driver::params;
 import generated::frame::frame;
 import generated::layer::layer;
-import generated::sizes::{BLOCK_VOXELS, SKIPS_EMPTY, SURFACES_ONLY, Values};
+import generated::sizes::{BLOCK_VOXELS, IN_PARTS, SKIPS_EMPTY, SURFACES_ONLY, Values};
 import package::blocks::{Way, pace_of, past, step_on};
 import package::ray::{Ray, INFINITE};
 import package::sample::Sample;
+import package::spacing::Spacing;
 import slot::blocks::leap_of;
 import slot::field::{locate, field_value};
 import slot::integrate::surface;
-import slot::offsets::offset_of;
+import slot::lattice::spacing_of;
 import slot::region::hidden_at;
 import slot::transfer::empty_slab;
 
 // The same ray in index coordinates, still measured in world units.
 struct IndexRay { origin: vec3f, direction: vec3f }
 
-// A ray from where it enters the domain to where it leaves it, the shift of its samples as a share of a step, and its pixel's number.
-struct Line { ray: Ray, index: IndexRay, enter: f32, leave: f32, offset: f32, at: u32 }
+// A ray from where it enters the domain to where it leaves it, where its samples lie, and its pixel's number. Of a part of a ray that
+// goes on from another, `begin` is where the first one enters, and of one that others go on from, `end` where the last one leaves.
+struct Line { ray: Ray, index: IndexRay, enter: f32, leave: f32, begin: f32, end: f32, spacing: Spacing, at: u32 }
 
 fn ray_in_index(ray: Ray) -> IndexRay {
   return IndexRay(
@@ -32,7 +33,7 @@ fn line_of(ray: Ray, pixel: vec2u) -> Line {
   let index = ray_in_index(ray);
   let span = domain_span(index);
   let at = (pixel.y - frame.band_first_row) * frame.size_px.x + pixel.x;
-  return Line(ray, index, span.x, span.y, fract(offset_of(pixel) + params.shift), at);
+  return Line(ray, index, span.x, span.y, span.x, span.y, spacing_of(ray, pixel), at);
 }
 
 // What a sample is made of: few numbers are carried through loops.
@@ -44,10 +45,13 @@ fn fetch(line: Line, t_world: f32) -> Fetched {
   return Fetched(field_value(locate(line.index.origin + t_world * line.index.direction)), t_world);
 }
 
-// Samples lie at whole numbers of steps from the eye, but for the first and the last.
-fn fetch_at(line: Line, k: f32) -> Fetched {
-  return fetch(line, clamp((k + line.offset) * frame.step_world, line.enter, line.leave));
-}
+// Samples lie on a lattice, but for the first and the last.
+fn place_of(line: Line, k: f32) -> f32 { return (k + line.spacing.shift) * line.spacing.step_world; }
+
+fn fetch_at(line: Line, k: f32) -> Fetched { return fetch(line, clamp(place_of(line, k), line.enter, line.leave)); }
+
+// A sample that may lie before the part of a ray, or behind it.
+fn fetch_near(line: Line, k: f32) -> Fetched { return fetch(line, clamp(place_of(line, k), line.begin, line.end)); }
 
 fn sample_of(line: Line, here: Fetched) -> Sample {
   let p_world = line.ray.origin_world + here.t_world * line.ray.direction_world;
@@ -56,7 +60,15 @@ fn sample_of(line: Line, here: Fetched) -> Sample {
 }
 
 // The number of the last sample of the lattice that is not behind a place.
-fn last_before(line: Line, t_world: f32) -> f32 { return floor(t_world / frame.step_world - line.offset); }
+fn last_before(line: Line, t_world: f32) -> f32 { return floor(sample_number(line, t_world)); }
+
+fn sample_number(line: Line, t_world: f32) -> f32 { return t_world / line.spacing.step_world - line.spacing.shift; }
+
+// The number of the sample behind the one at which a part of a ray begins, or behind where a ray enters.
+fn first_behind(line: Line) -> f32 {
+  let number = sample_number(line, line.enter);
+  return select(floor(number), round(number), IN_PARTS && line.begin < line.enter) + 1.0;
+}
 
 // Whether a slab leaves the result as it is, told from its two samples alone.
 fn is_idle(line: Line, front: Fetched, next: Fetched) -> bool {
@@ -96,6 +108,9 @@ fn next_block(line: Line, t_world: f32, t_leave: f32) -> f32 {
 
 // The next distance at which a layer begins or ends, where slabs are cut; a single one does with its ray.
 fn border_behind(line: Line, t_world: f32) -> f32 { return line.leave; }
+
+// The last such distance that is not behind another.
+fn border_before(line: Line, t_world: f32) -> f32 { return line.enter; }
 
 // Whether a part of a ray that holds no such distance lies in a layer.
 fn holds_layer(line: Line) -> bool { return true; }

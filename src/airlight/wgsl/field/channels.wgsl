@@ -5,12 +5,13 @@ import generated::layer::layer;
 import generated::sizes::{Values, GROUPS, HAS_EMPTY};
 import package::empty::EMPTY;
 import slot::values::is_gap;
+import slot::voxels::stacked_at;
 
 // Slice of the texture in which a group of channels begins.
 fn first_slice(group: u32) -> f32 { return params.stacked[group] * layer.size.z; }
 
-// Where a voxel of a group lies in the texture.
-fn slice_of(voxel: vec3i, group: u32) -> vec3i { return vec3i(voxel.xy, voxel.z + i32(first_slice(group))); }
+// A voxel of a group.
+fn texel_of(voxel: vec3i, group: u32) -> vec4f { return stacked_at(voxel, params.stacked[group]); }
 
 // The number of which gradients are taken: a weighted sum of the channels, each held within the values that matter.
 fn weighted_sum(values: Values) -> f32 {

@@ -41,7 +41,7 @@ fn primitive(w: f32) -> f32 {
 
 // Up to the function's first value nothing is shown nor attenuates.
 fn settled(acc: ptr<function, Accumulated>, bound: f32, t_world: f32) -> bool {
-  return (*acc).strongest.met && bound <= params.first;
+  return (*acc).strongest.met > 0u && bound <= params.first;
 }
 
 fn finish(acc: Accumulated) -> Result { return show_strongest(acc.strongest); }

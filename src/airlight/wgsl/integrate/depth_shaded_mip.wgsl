@@ -35,7 +35,7 @@ fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab
 
 fn settled(acc: ptr<function, Accumulated>, bound: f32, t_world: f32) -> bool {
   let most = saturate((bound - params.first) * params.per_value) * brightness_at(t_world);
-  return (*acc).strongest.met && most <= (*acc).strongest.strength;
+  return (*acc).strongest.met > 0u && most <= (*acc).strongest.strength;
 }
 
 fn finish(acc: Accumulated) -> Result { return show_strongest(acc.strongest); }

@@ -49,5 +49,26 @@ fn finish(acc: Accumulated) -> Result {
   let thinned = acc.length * weight(acc.front, acc.back, acc.length);
   let share = opacity_share(acc.front, acc.back, thinned, acc.slab_alpha, 1.0 - 0.5 / acc.through);
   let t_world = acc.front.t_world;
-  return Result(acc.rgb, acc.alpha, select(t_world + share * acc.length, INFINITE, t_world >= INFINITE));
+  return Result(acc.rgb, acc.alpha, select(t_world + share * acc.length, t_world, acc.length <= 0.0));
+}
+
+// Between two parts of a ray: where opacity passes one half is known by then, or lies ahead.
+struct Paused { rgb: vec3f, alpha: f32, t_world: f32 }
+
+fn pause(acc: Accumulated) -> Paused { return Paused(acc.rgb, acc.alpha, finish(acc).t_world); }
+
+fn resume(paused: Paused) -> Accumulated {
+  var acc = begin();
+  acc.rgb = paused.rgb;
+  acc.alpha = paused.alpha;
+  acc.front.t_world = paused.t_world;
+  return acc;
+}
+
+// Where opacity passes one half is not told by two parts.
+fn join(front: Accumulated, back: Accumulated) -> Accumulated {
+  var acc = begin();
+  acc.rgb = front.rgb + (1.0 - front.alpha) * back.rgb;
+  acc.alpha = front.alpha + (1.0 - front.alpha) * back.alpha;
+  return acc;
 }

@@ -63,4 +63,9 @@ fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab
   return true;
 }
 
+fn join(front: Accumulated, back: Accumulated) -> Accumulated {
+  if (front.t_world < INFINITE) { return front; }
+  return back;
+}
+
 fn finish(acc: Accumulated) -> Result { return Result(acc.rgb, select(0.0, 1.0, acc.t_world < INFINITE), acc.t_world); }

@@ -14,6 +14,10 @@ fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab
   return false;
 }
 
+fn join(front: Accumulated, back: Accumulated) -> Accumulated {
+  return Accumulated(front.integral + back.integral, front.length + back.length);
+}
+
 fn finish(acc: Accumulated) -> Result {
   if (acc.length <= 0.0) { return Result(vec3f(0.0), 0.0, INFINITE); }
   var mean: Sample;

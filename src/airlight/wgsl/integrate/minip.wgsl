@@ -18,4 +18,11 @@ fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab
 
 fn settled(acc: ptr<function, Accumulated>, bound: f32, t_world: f32) -> bool { return falls_short((*acc).extreme, bound); }
 
+fn join(front: Accumulated, back: Accumulated) -> Accumulated {
+  var extreme = front.extreme;
+  let better = scalar_of(back.extreme.here.value) < scalar_of(extreme.here.value);
+  if (back.extreme.met > 0u) { keep(&extreme, back.extreme.here, better); }
+  return Accumulated(extreme);
+}
+
 fn finish(acc: Accumulated) -> Result { return show(acc.extreme); }

@@ -5,7 +5,7 @@ import package::sample::{Sample, Result};
 import slot::transfer::medium;
 import slot::values::mix_values;
 
-struct Strongest { here: Sample, strength: f32, brightness: f32, met: bool }
+struct Strongest { here: Sample, strength: f32, brightness: f32, met: u32 }
 
 fn no_strongest() -> Strongest {
   var none: Strongest;
@@ -16,7 +16,7 @@ fn no_strongest() -> Strongest {
 fn keep_stronger(
   kept: ptr<function, Strongest>, front: Sample, back: Sample, share: f32, strength: f32, brightness: f32,
 ) {
-  if ((*kept).met && strength <= (*kept).strength) { return; }
+  if ((*kept).met > 0u && strength <= (*kept).strength) { return; }
   let here = Sample(
     mix_values(front.value, back.value, share),
     vec3f(0.0),
@@ -24,10 +24,10 @@ fn keep_stronger(
     mix(front.p_world, back.p_world, share),
     mix(front.t_world, back.t_world, share),
   );
-  (*kept) = Strongest(here, strength, brightness, true);
+  (*kept) = Strongest(here, strength, brightness, 1u);
 }
 
 fn show_strongest(kept: Strongest) -> Result {
-  if (!kept.met) { return Result(vec3f(0.0), 0.0, INFINITE); }
+  if (kept.met == 0u) { return Result(vec3f(0.0), 0.0, INFINITE); }
   return Result(medium(kept.here).rgb * kept.brightness, 1.0, kept.here.t_world);
 }

@@ -1,4 +1,4 @@
-// What hides, at a low resolution: the optical depth of cells of voxels, by the mean of what their parts let through.
+// What hides, at a low resolution: the optical depth of cells of voxels, by the mean of what their parts let through, by colour.
 //
 // A part is what lies at a voxel: the slabs towards its next neighbours, so that nothing between two voxels is missed.
 
@@ -7,6 +7,7 @@ import generated::occlusion::params as occlusion;
 import generated::pass::occluders_out;
 import generated::slice::params as slice;
 import package::sample::Sample;
+import package::transport::colours::colour_of;
 import slot::clips::is_kept;
 import slot::field::{locate, field_value};
 import slot::region::part_at;
@@ -22,31 +23,33 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
   let low = cell * occlusion.block;
   let size = vec3u(layer.size);
   let high = min(low + occlusion.block, size);
-  var opacity = 0.0;
+  var opacity = vec3f(0.0);
   for (var z = low.z; z < high.z; z++) {
     for (var y = low.y; y < high.y; y++) {
       for (var x = low.x; x < high.x; x++) { opacity += 1.0 - exp(-extinction_at(vec3u(x, y, z), size) * occlusion.cell_world); }
     }
   }
-  let all = occlusion.block.x * occlusion.block.y * occlusion.block.z;
-  let depth = -log(max(1.0 - opacity / f32(all), LEAST_THROUGH));
-  textureStore(occluders_out, cell, vec4f(depth, 0.0, 0.0, 0.0));
+  let count = high - low;  // the last cells along an axis may have fewer voxels than others, and end with them
+  let depth = -log(max(1.0 - opacity / f32(count.x * count.y * count.z), vec3f(LEAST_THROUGH)));
+  textureStore(occluders_out, cell, vec4f(depth, 0.0));
 }
 
-// Mean extinction [1/world] of the slabs from a voxel to the next along each axis; there is none where the voxel is empty.
-fn extinction_at(voxel: vec3u, size: vec3u) -> f32 {
+// Mean extinction [1/world] of the slabs from a voxel to the next along each axis; there is none where the voxel is empty. With a
+// tint it is less for light of the slab's own colour.
+fn extinction_at(voxel: vec3u, size: vec3u) -> vec3f {
   let front = sample_at(voxel);
-  if (is_gap(front.value) || !is_kept(front.p_index)) { return 0.0; }
+  if (is_gap(front.value) || !is_kept(front.p_index)) { return vec3f(0.0); }
   let known = know(front);
-  let shown = part_at(front.p_index).opacity;
-  var sum = 0.0;
+  let part = part_at(front.p_index);
+  var sum = vec3f(0.0);
   for (var axis = 0u; axis < 3u; axis++) {
     var next = voxel;
     next[axis] = min(voxel[axis] + 1u, size[axis] - 1u);
     var back = sample_at(next);
     if (is_gap(back.value)) { back = front; }
     let length = occlusion.spacing[axis];
-    sum -= log(max(1.0 - classify_known(front, known, back, know(back), length * shown).alpha, 1e-7)) / length;
+    let slab = classify_known(front, known, back, know(back), length * part.opacity);
+    sum -= (1.0 - occlusion.tint * part.rgb * colour_of(slab)) * (log(max(1.0 - slab.alpha, 1e-7)) / length);
   }
   return sum / 3.0;
 }

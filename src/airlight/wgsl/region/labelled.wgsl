@@ -18,7 +18,7 @@ fn part_at(p_index: vec3f) -> Part {
 
 // Whether nothing is drawn, told at once: where labels differ it is left to `part_at`.
 fn hidden_at(p_index: vec3f) -> bool {
-  let cell = textureLoad(cells, vec3u(place_of(p_index).low), 0).x;
+  let cell = textureLoad(cells, vec3u(voxels_round(p_index).low), 0).x;
   return (cell & 1u) == 0u && style_of(cell >> 1u).tinted.a == 0.0;
 }
 
@@ -27,7 +27,7 @@ struct Mixed { tinted: vec4f, taken: f32 }
 
 // Where all eight labels are one the loop ends after a turn.
 fn mixed_at(p_index: vec3f) -> Mixed {
-  var corner = first_corner(place_of(p_index));
+  var corner = first_corner(voxels_round(p_index));
   var sum = Mixed(vec4f(0.0), 0.0);
   loop {
     let tinted = style_of(corner.label).tinted;
@@ -42,7 +42,7 @@ fn mixed_at(p_index: vec3f) -> Mixed {
 struct Shares { by_function: array<vec4f, MOST_FUNCTIONS> }
 
 fn shares_at(p_index: vec3f) -> Shares {
-  var corner = first_corner(place_of(p_index));
+  var corner = first_corner(voxels_round(p_index));
   var shares: Shares;
   loop {
     let style = style_of(corner.label);
@@ -55,7 +55,7 @@ fn shares_at(p_index: vec3f) -> Shares {
 // The lowest of the eight texels round a place, and how far the place lies from it.
 struct Voxels { low: vec3f, within: vec3f }
 
-fn place_of(p_index: vec3f) -> Voxels {
+fn voxels_round(p_index: vec3f) -> Voxels {
   let p = clamp((params.texel_from_index * vec4f(p_index, 1.0)).xyz, vec3f(0.0), params.last_texel);
   let low = min(floor(p), params.last_texel - 1.0);
   return Voxels(low, p - low);

@@ -10,11 +10,14 @@ struct Front { here: Sample, known: Knowns, light: Lights, is_lit: bool }
 
 struct LitSlab { slab: Slab, lit_rgb: vec3f }
 
-// Thinned and tinted each layer's slab is by itself, and has its own length.
+// Thinned and tinted each layer's slab is by itself, and has its own length: of the whole one it matters how much longer it is than
+// the way from its front to its back.
 fn next_slab(front: ptr<function, Front>, back: Sample, length: f32, tint: vec3f, face: Face, ray: Ray) -> LitSlab {
   let near = (*front).here;
+  let way = back.t_world - near.t_world;
+  let share = select(1.0, length / way, way > 0.0);
   let sent = send(
-    (*front).known, (*front).light, (*front).is_lit, near.value, near.p_world, back.value, back.p_world, face.faces, ray,
+    (*front).known, (*front).light, (*front).is_lit, near.value, near.p_world, back.value, back.p_world, share, face.faces, ray,
   );
   (*front).known = sent.knowns;
   (*front).light = sent.lights;

@@ -8,6 +8,7 @@ import next::several::layer::{Faces as RestFaces, Fetches as RestFetches, Knowns
 import next::several::layer::{are_hidden as rest_are_hidden, are_idle as rest_are_idle, block_behind as rest_block_behind};
 import next::several::layer::{border_of as rest_border_of, caps_of as rest_caps_of, curve as rest_curve, cuts_of as rest_cuts_of};
 import next::several::layer::{fetch_all as rest_fetch_all, hold_part as rest_hold_part, know_all as rest_know_all};
+import next::several::layer::{last_border_of as rest_last_border_of};
 import next::several::layer::{know_all_empty as rest_know_all_empty, lines_of as rest_lines_of, send as rest_send, span_of as rest_span_of};
 import package::curved::curved_value;
 import package::faces::{Face, cap_of, face_of, lit_cap};
@@ -56,6 +57,13 @@ fn border_of(lines: Lines, t_world: f32) -> f32 {
   let line = lines.own;
   let end = select(INFINITE, line.leave, line.leave > t_world);
   return min(select(end, line.enter, line.enter > t_world), rest_border_of(lines.rest, t_world));
+}
+
+// The last one that is not behind another.
+fn last_border_of(lines: Lines, t_world: f32) -> f32 {
+  let line = lines.own;
+  let begin = select(0.0, line.enter, line.enter <= t_world);
+  return max(select(begin, line.leave, line.leave <= t_world), rest_last_border_of(lines.rest, t_world));
 }
 
 // Whether some layer holds a distance.
@@ -107,9 +115,10 @@ fn know_all_empty(values: Fetches, p_world: vec3f) -> Knowns {
   return Knowns(know_empty(sample_here(values.own, p_world)), rest_know_all_empty(values.rest, p_world));
 }
 
-// The slabs of all layers between two places of a ray, each lit by itself, as one.
+// The slabs of all layers between two places of a ray, each lit by itself, as one. By `share` extinction is multiplied.
 fn send(
-  knowns: Knowns, lights: Lights, is_lit: bool, near: Fetches, p_near: vec3f, far: Fetches, p_far: vec3f, faces: Faces, ray: Ray,
+  knowns: Knowns, lights: Lights, is_lit: bool, near: Fetches, p_near: vec3f, far: Fetches, p_far: vec3f, share: f32, faces: Faces,
+  ray: Ray,
 ) -> Sent {
   let ends = filled_ends(sample_here(near.own, p_near), sample_here(far.own, p_far));
   let length = max(far.own.t_world - near.own.t_world, 0.0) * ends.share;
@@ -119,13 +128,13 @@ fn send(
   var depth = 0.0;
   if (length > 0.0) {
     let part = part_at(mix(ends.front.p_index, ends.back.p_index, 0.5));
-    let thinned = length * part.opacity * weight(ends.front, ends.back, length);
+    let thinned = length * part.opacity * weight(ends.front, ends.back, length) * share;
     let sent = next_slab(&front, ends.back, thinned, part.rgb, faces.own, ray);
     let per_alpha = depth_per_alpha(sent.slab.alpha);
     source = sent.lit_rgb * per_alpha;
     depth = sent.slab.alpha * per_alpha;
   }
-  let rest = rest_send(knowns.rest, lights.rest, is_lit, near.rest, p_near, far.rest, p_far, faces.rest, ray);
+  let rest = rest_send(knowns.rest, lights.rest, is_lit, near.rest, p_near, far.rest, p_far, share, faces.rest, ray);
   return Sent(
     Mixed(source + rest.mixed.source, depth + rest.mixed.depth),
     Knowns(front.known, rest.knowns),

@@ -16,6 +16,8 @@ fn span_of(lines: Lines) -> vec2f { return vec2f(INFINITE, 0.0); }
 
 fn border_of(lines: Lines, t_world: f32) -> f32 { return INFINITE; }
 
+fn last_border_of(lines: Lines, t_world: f32) -> f32 { return 0.0; }
+
 fn hold_part(lines: Lines, t_world: f32) -> bool { return false; }
 
 fn block_behind(lines: Lines, t_world: f32, t_leave: f32) -> f32 { return INFINITE; }
@@ -33,7 +35,8 @@ fn know_all(values: Fetches, p_world: vec3f) -> Knowns { return Knowns(0.0); }
 fn know_all_empty(values: Fetches, p_world: vec3f) -> Knowns { return Knowns(0.0); }
 
 fn send(
-  knowns: Knowns, lights: Lights, is_lit: bool, near: Fetches, p_near: vec3f, far: Fetches, p_far: vec3f, faces: Faces, ray: Ray,
+  knowns: Knowns, lights: Lights, is_lit: bool, near: Fetches, p_near: vec3f, far: Fetches, p_far: vec3f, share: f32, faces: Faces,
+  ray: Ray,
 ) -> Sent {
   return Sent(Mixed(vec3f(0.0), 0.0), knowns, lights);
 }

@@ -1,16 +1,16 @@
 // A ray's way through several layers, and the samples on it: `package::walk` for all of them.
 
-import generated::frame::frame;
-import generated::sizes::Values;
-import next::several::layer::{Lines, are_hidden, are_idle, block_behind, border_of, fetch_all, hold_part, lines_of, span_of};
+import generated::sizes::{IN_PARTS, Values};
+import next::several::layer::{Lines, are_hidden, are_idle, block_behind, border_of, fetch_all, hold_part, last_border_of, lines_of, span_of};
 import package::ray::Ray;
 import package::sample::Sample;
+import package::spacing::Spacing;
 
 // Where index coordinates of all layers would be, the world's.
 struct WorldRay { origin: vec3f, direction: vec3f }
 
 // A ray from where it enters the first layer to where it leaves the last one.
-struct Line { ray: Ray, index: WorldRay, enter: f32, leave: f32, offset: f32, at: u32, lines: Lines }
+struct Line { ray: Ray, index: WorldRay, enter: f32, leave: f32, begin: f32, end: f32, spacing: Spacing, at: u32, lines: Lines }
 
 struct Fetched { value: Values, t_world: f32 }
 
@@ -19,21 +19,32 @@ struct Ends { front: Fetched, back: Fetched }
 fn line_of(ray: Ray, pixel: vec2u) -> Line {
   let lines = lines_of(ray, pixel);
   let span = span_of(lines);
-  return Line(ray, WorldRay(ray.origin_world, ray.direction_world), span.x, span.y, lines.own.offset, lines.own.at, lines);
+  let in_world = WorldRay(ray.origin_world, ray.direction_world);
+  return Line(ray, in_world, span.x, span.y, span.x, span.y, lines.own.spacing, lines.own.at, lines);
 }
 
 fn fetch(line: Line, t_world: f32) -> Fetched { return Fetched(fetch_all(line.lines, t_world), t_world); }
 
-fn fetch_at(line: Line, k: f32) -> Fetched {
-  return fetch(line, clamp((k + line.offset) * frame.step_world, line.enter, line.leave));
-}
+fn place_of(line: Line, k: f32) -> f32 { return (k + line.spacing.shift) * line.spacing.step_world; }
+
+fn fetch_at(line: Line, k: f32) -> Fetched { return fetch(line, clamp(place_of(line, k), line.enter, line.leave)); }
+
+fn fetch_near(line: Line, k: f32) -> Fetched { return fetch(line, clamp(place_of(line, k), line.begin, line.end)); }
 
 fn sample_of(line: Line, here: Fetched) -> Sample {
   let p_world = line.ray.origin_world + here.t_world * line.ray.direction_world;
   return Sample(here.value, vec3f(0.0), p_world, p_world, here.t_world);
 }
 
-fn last_before(line: Line, t_world: f32) -> f32 { return floor(t_world / frame.step_world - line.offset); }
+fn last_before(line: Line, t_world: f32) -> f32 { return floor(sample_number(line, t_world)); }
+
+fn sample_number(line: Line, t_world: f32) -> f32 { return t_world / line.spacing.step_world - line.spacing.shift; }
+
+// The number of the sample behind the one at which a part of a ray begins, or behind where a ray enters.
+fn first_behind(line: Line) -> f32 {
+  let number = sample_number(line, line.enter);
+  return select(floor(number), round(number), IN_PARTS && line.begin < line.enter) + 1.0;
+}
 
 fn is_idle(line: Line, front: Fetched, next: Fetched) -> bool { return are_idle(line.lines, front.value, next.value); }
 
@@ -42,5 +53,7 @@ fn is_hidden(line: Line, front: Fetched, next: Fetched) -> bool { return are_hid
 fn next_block(line: Line, t_world: f32, t_leave: f32) -> f32 { return block_behind(line.lines, t_world, t_leave); }
 
 fn border_behind(line: Line, t_world: f32) -> f32 { return border_of(line.lines, t_world); }
+
+fn border_before(line: Line, t_world: f32) -> f32 { return last_border_of(line.lines, t_world); }
 
 fn holds_layer(line: Line) -> bool { return hold_part(line.lines, 0.5 * (line.enter + line.leave)); }

@@ -1,16 +1,16 @@
 // What voxels add to sums over samples of one channel of which some are empty: those that are there, and their weights. Sums are
 // divided by the weight; there is nothing where it is below half.
 
-import generated::field::grid;
 import generated::sizes::Values;
 import package::empty::{EMPTY, is_empty};
+import slot::voxels::texel_at;
 
 alias Tap = vec2f;
 
 const PARTS: u32 = 1u;
 
 fn tap(voxel: vec3i, part: u32) -> Tap {
-  let texel = textureLoad(grid, voxel, 0).r;
+  let texel = texel_at(voxel).r;
   return select(vec2f(texel, 1.0), vec2f(0.0), is_empty(texel));
 }
 

@@ -2,15 +2,15 @@
 // of this folder exchange them. Sums of taps are linear: they may be multiplied by numbers and added.
 // They begin with `Tap()`, said in words: what a loop declares without a value keeps that of the turn before (naga 22).
 
-import generated::field::grid;
 import generated::layer::layer;
 import generated::sizes::Values;
+import slot::voxels::texel_at;
 
 alias Tap = f32;
 
 const PARTS: u32 = 1u;  // of a value, each summed up by itself
 
-fn tap(voxel: vec3i, part: u32) -> Tap { return textureLoad(grid, voxel, 0).r; }
+fn tap(voxel: vec3i, part: u32) -> Tap { return texel_at(voxel).r; }
 
 // Put the value of a sum, whose weights are one together, into a part of what a field returns.
 fn keep_sum(sum: Tap, part: u32, values: ptr<function, Values>) { *values = sum * layer.value_scale + layer.value_offset; }

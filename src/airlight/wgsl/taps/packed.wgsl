@@ -1,15 +1,14 @@
 // What voxels add to sums over samples of several channels, four at a time.
 
-import generated::field::grid;
 import generated::layer::layer;
 import generated::sizes::{Values, GROUPS};
-import package::field::channels::{slice_of, weighted_slope, weighted_sum};
+import package::field::channels::{texel_of, weighted_slope, weighted_sum};
 
 alias Tap = vec4f;
 
 const PARTS: u32 = GROUPS;
 
-fn tap(voxel: vec3i, part: u32) -> Tap { return textureLoad(grid, slice_of(voxel, part), 0); }
+fn tap(voxel: vec3i, part: u32) -> Tap { return texel_of(voxel, part); }
 
 fn keep_sum(sum: Tap, part: u32, values: ptr<function, Values>) {
   (*values)[part] = sum * layer.channel_scale[part] + layer.channel_offset[part];

@@ -1,17 +1,16 @@
 // What voxels add to sums over samples of several channels of which some are empty: in the first column those that are there, in
 // the second their weights, channel by channel. There is nothing where the weight is below half.
 
-import generated::field::grid;
 import generated::sizes::{Values, GROUPS};
 import package::empty::EMPTY;
-import package::field::channels::{slice_of, weighted_slope, weighted_sum};
+import package::field::channels::{texel_of, weighted_slope, weighted_sum};
 
 alias Tap = mat2x4f;
 
 const PARTS: u32 = GROUPS;
 
 fn tap(voxel: vec3i, part: u32) -> Tap {
-  let texel = textureLoad(grid, slice_of(voxel, part), 0);
+  let texel = texel_of(voxel, part);
   let gaps = texel <= vec4f(EMPTY);
   return mat2x4f(select(texel, vec4f(0.0), gaps), select(vec4f(1.0), vec4f(0.0), gaps));
 }

@@ -3,11 +3,9 @@
 import generated::reinhard::params;
 import generated::luminance::params as scene;
 import package::colour::luminance;
+import package::tone::metered::{compressed, exposed};
 
 fn tone(rgb: vec3f, p_px: vec2f) -> vec3f {
-  let bright = luminance(rgb);
-  if (bright <= 0.0 || scene.log_average <= 0.0) { return rgb; }
-  let scaled = exp2(params.exposure) * params.key / scene.log_average * bright;
-  let shown = scaled * (1.0 + scaled / (params.white * params.white)) / (1.0 + scaled);
-  return rgb * (shown / bright);
+  let scale = exposed(params.exposure, params.key, params.adapted, scene.log_average);
+  return select(rgb, rgb * scale * compressed(scale * luminance(rgb), params.white), scale > 0.0);
 }

@@ -25,10 +25,9 @@ fn slab_between(front: Reached, back: Reached, length: f32) -> Slab {
   let source = clamp(mean.rgb + shift, vec3f(0.0), mean.rgb / mean_transmittance(depth));
   let slab = make_slab(source, mean.a, length);
   if (!WEIGHTED) { return slab; }
-  // The table tells of slabs of its own length; in shorter ones attenuation moves light by less.
-  let whole_depth = mean.a * max(length, params.slab_length);
-  let nearer = select(moved(whole_depth) - moved(depth), 0.0, LAYERED);
-  return split(slab, saturate(kept_at(at, length, params.slab_lengths) + nearer));
+  // In slabs that are shorter than the table's least length attenuation moves light by less.
+  let least_depth = mean.a * max(length, params.slab_length / f32(params.slab_lengths));
+  return split(slab, saturate(kept_at(at, length, params.slab_lengths) + (moved(least_depth) - moved(depth))));
 }
 
 // The table at a length; its layers from `first` on are for equal parts of the whole length.

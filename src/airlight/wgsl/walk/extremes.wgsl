@@ -4,7 +4,7 @@
 import generated::sizes::{BOUND_GROUP_VOXELS, BOUND_VOXELS};
 import package::blocks::{pace_of, past};
 import package::sample::Slab;
-import package::walk::{Ends, Fetched, Line, fetch, fetch_at, last_before, sample_of};
+import package::walk::{Ends, Fetched, Line, fetch, fetch_at, first_behind, last_before, sample_of};
 import slot::blocks::bounds_of;
 import slot::integrate::{Accumulated, settled, take};
 
@@ -17,7 +17,7 @@ const RUN = 8u;
 fn begin_walk(line: Line) -> Walk {
   var walk: Walk;
   walk.front = fetch(line, line.enter);
-  walk.k = last_before(line, line.enter) + 1.0;
+  walk.k = first_behind(line);
   walk.samples = 1.0;
   return walk;
 }

@@ -2,7 +2,7 @@
 
 import generated::sizes::{ADAPTIVE, BLOCKS_KNOW_MORE, CURVED, HAS_CROSSINGS, SKIPS_BLOCKS};
 import package::curved::curved_value;
-import package::walk::{Ends, Fetched, Line, fetch, fetch_at, is_hidden, is_idle, last_before, next_block};
+import package::walk::{Ends, Fetched, Line, fetch, fetch_at, fetch_near, first_behind, is_hidden, is_idle, last_before, next_block};
 import slot::integrate::{Accumulated, through};
 import slot::values::is_gap;
 
@@ -39,12 +39,16 @@ const NOWHERE = -3.4e38;
 fn begin_walk(line: Line) -> Walk {
   var walk: Walk;
   walk.front = fetch(line, line.enter);
-  walk.k = last_before(line, line.enter) + 1.0;
+  walk.k = first_behind(line);
   walk.samples = 1.0;
   walk.leaps = SKIPS_BLOCKS;
   walk.before = walk.front;
   walk.pace = 1.0;
-  if (CURVED) { walk.ahead = fetch_at(line, walk.k); }
+  if (CURVED) { walk.ahead = fetch_near(line, walk.k); }
+  // Where a part of a ray goes on from another, its first sample is moved as the last of that one was.
+  if (CURVED && line.begin < line.enter) {
+    walk.front.value = curved_value(fetch_near(line, walk.k - 2.0), walk.front, walk.ahead);
+  }
   return walk;
 }
 
@@ -115,7 +119,7 @@ fn step(walk: ptr<function, Walk>, line: Line) {
   var next: Fetched;
   if (CURVED) {
     next = (*walk).ahead;
-    (*walk).ahead = fetch_at(line, behind(*walk));
+    (*walk).ahead = fetch_near(line, behind(*walk));
     let value = curved_value((*walk).before, next, (*walk).ahead);
     (*walk).found = (*walk).before;
     (*walk).before = next;
@@ -142,6 +146,8 @@ fn leap(walk: ptr<function, Walk>, line: Line) -> bool {
     // A last slab without length, since its front may hold something that is hidden.
     (*walk).front.t_world = line.leave;
     (*walk).next = (*walk).front;
+    (*walk).found = (*walk).front;
+    (*walk).before = (*walk).front;
   }
   return begin >= line.leave;
 }

@@ -1,8 +1,7 @@
 // Samples where surfaces are looked for: on the lattice, where the ray enters and leaves a block that may hold one, and between.
 
-import generated::frame::frame;
 import package::blocks::{Way, way_from, step_on};
-import package::walk::{Ends, Fetched, Line, fetch, is_idle, last_before, leapt};
+import package::walk::{Ends, Fetched, Line, fetch, first_behind, is_idle, last_before, leapt, place_of};
 import slot::blocks::leap_of;
 import slot::integrate::Accumulated;
 
@@ -10,13 +9,13 @@ import slot::integrate::Accumulated;
 const PIECES = 3.0;
 
 // The slab that a ray is at, the number of the next sample of the lattice, the block that the ray is in, and the piece of it that
-// comes next. Fronts are always backs of others or were looked at: nothing is known of them.
+// comes next. `idled`: slabs without effect were passed over, so that the front is no back of a slab that was drawn.
 struct Walk { front: Fetched, next: Fetched, k: f32, samples: f32, idled: bool, hid: bool, way: Way, piece: f32 }
 
 fn begin_walk(line: Line) -> Walk {
   var walk: Walk;
   walk.front = fetch(line, line.enter);
-  walk.k = last_before(line, line.enter) + 1.0;
+  walk.k = first_behind(line);
   walk.samples = 1.0;
   walk.way = way_from(line.index.origin, line.index.direction, line.enter);
   walk.piece = 1.0;
@@ -26,8 +25,10 @@ fn begin_walk(line: Line) -> Walk {
 // On to the next slab with a surface, or the last one.
 fn walk_on(walk: ptr<function, Walk>, line: Line, acc: ptr<function, Accumulated>) {
   var w = *walk;
+  w.idled = false;
   loop {
     if (leap_of(w.way.block) > 0.0) {
+      w.idled = true;
       w.way = leapt(w.way, line.leave);
       w.piece = 1.0;
       if (w.way.begin < line.leave) { w.front = fetch(line, w.way.begin); }
@@ -37,7 +38,7 @@ fn walk_on(walk: ptr<function, Walk>, line: Line, acc: ptr<function, Accumulated
     var leaves = false;
     var idle = false;
     loop {
-      let on_lattice = (w.k + line.offset) * frame.step_world;
+      let on_lattice = place_of(line, w.k);
       let in_block = mix(w.way.begin, w.way.end, w.piece / PIECES);
       w.next = fetch(line, min(min(on_lattice, in_block), line.leave));
       w.samples += 1.0;
@@ -51,9 +52,11 @@ fn walk_on(walk: ptr<function, Walk>, line: Line, acc: ptr<function, Accumulated
       idle = is_idle(line, w.front, w.next);
       if (w.next.t_world >= line.leave || !idle || leaves) { break; }
       w.front = w.next;
+      w.idled = true;
     }
     if (w.next.t_world >= line.leave || !idle) { break; }
     w.front = w.next;
+    w.idled = true;
   }
   *walk = w;
 }

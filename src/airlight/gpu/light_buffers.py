@@ -1,0 +1,60 @@
+"""Textures of lights: what comes through of them to the planes of a group of slices, and the pictures that they throw."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import wgpu
+
+from ..errors import LimitError
+from ..light_image import LightImage
+from .device import Device
+
+LIGHT_FORMAT, TEXEL_BYTES = "rgba32float", 16
+PLANES_FORMAT, PLANE_TEXEL_BYTES = "rgba16float", 8  # what is carried on is not rounded so
+PICTURE_FORMAT = "rgba16float"
+
+
+def light_buffers(device: Device, size: int, planes: int) -> tuple[tuple[Any, Any], Any]:
+    """Views of two square textures, one for the light at a plane in turn, and of one for so many planes, a slice for each.
+
+    They are kept for the next frame.
+
+    Raises
+    ------
+    LimitError
+        When the device has no textures of this size.
+    """
+    most = device.limits["max-texture-dimension-3d"]
+    for name, number, texels in (("light_size", size, size), ("group", planes - 1, planes)):
+        if texels > most:
+            what = f"is {number}, and textures of {device.info.name} have {most} texels a side at most"
+            raise LimitError(f"driver.half_angle.{name}", what, "take less")
+    usage = wgpu.TextureUsage
+
+    def view(name: str, shape: tuple[int, int, int], texel_format: str, use: int) -> Any:
+        def made() -> Any:
+            dimension, use_all = "2d" if shape[2] == 1 else "3d", use | usage.TEXTURE_BINDING
+            return device.gpu.create_texture(size=shape, dimension=dimension, format=texel_format, usage=use_all)
+
+        return device.kept.get(("light", name, shape), made).create_view()
+
+    one, other = (view(name, (size, size, 1), LIGHT_FORMAT, usage.RENDER_ATTACHMENT) for name in ("one", "other"))
+    return (one, other), view("planes", (size, size, planes), PLANES_FORMAT, usage.STORAGE_BINDING)
+
+
+def picture_view(device: Device, picture: LightImage) -> Any:
+    """View of the texture of a light's picture, kept with it."""
+    height, width = picture.pixels.shape[:2]
+    usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
+
+    def made() -> Any:
+        texels = np.ones((height, width, 4), dtype=np.float16)
+        texels[..., :3] = picture.pixels
+        texture = device.gpu.create_texture(size=(width, height, 1), format=PICTURE_FORMAT, usage=usage)
+        layout = {"bytes_per_row": width * 8, "rows_per_image": height}
+        device.queue.write_texture({"texture": texture}, texels, layout, (width, height, 1))
+        return texture
+
+    return device.kept.get(("picture of a light", picture.digest), made).create_view()
