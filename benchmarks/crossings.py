@@ -29,7 +29,7 @@ TRUTH_PIXELS = 48
 def main(argv: list[str] | None = None) -> int:
     """Measure, print, write."""
     parser = arguments(__doc__, "crossings", repeats=7, size=256, step=1.0, clock="what is printed: cpu where others are busy")
-    options = parsed(parser, argv, size=32, repeats=1)
+    options = parsed(parser, argv, size=20, repeats=1)
     device = open_device(options.device)
     try:
         about = described(device, options)

@@ -40,7 +40,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--pixels", type=int, default=2000, help="pixels compared with the reference (default: 2000)")
     parser.add_argument("--only", default="", help="only the cases whose name contains this")
     parser.add_argument("--docs", action="store_true", help="also write the plots and pictures of docs/guide/orders")
-    options = parsed(parser, argv, size=32, repeats=1, pixels=40)
+    options = parsed(parser, argv, size=24, repeats=1, pixels=20)
     started, found = time.time(), []
     with al.Renderer() as renderer:
         for name, kind, scene in cases(options.quick):

@@ -107,7 +107,7 @@ def of_turning(renderer: al.Renderer, volume: al.Volume, name: str, size: tuple[
 def of_buffers(renderer: al.Renderer, volume: al.Volume, size: tuple[int, int], options: Any) -> list[dict[str, Any]]:
     """Time and error by texels of the light's buffer, slices of a group and transport."""
     drawn, plain = scene_of(volume, "bone", 30.0, 60.0), plain_driver(options)
-    chosen = {f"light_size={n}": replace(plain, light_size=n) for n in ((16, 32) if options.quick else (256, 512, 1024))}
+    chosen = {f"light_size={n}": replace(plain, light_size=n) for n in ((16, 32) if options.quick else (256, 384, 512, 1024))}
     chosen |= {f"group={n}": replace(plain, group=n) for n in (1, 8, 16, 32)}
     chosen |= {name: replace(plain, transport=name) for name in ("coloured", "translucent")}
 

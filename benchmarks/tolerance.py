@@ -29,7 +29,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = arguments(__doc__, "tolerance", size=96)
     parser.add_argument("--pixels", type=int, default=300, help="pixels that are compared (default: %(default)s)")
     parser.add_argument("--device", default=None, help="adapter, by number, kind or part of its name")
-    options = parsed(parser, argv, size=24, pixels=40)
+    options = parsed(parser, argv, size=24, pixels=20)
     device = open_device(options.device)
     about = machine(device) | {"quick": options.quick, "size": options.size, "pixels": options.pixels}
     device.close()

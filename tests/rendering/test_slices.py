@@ -133,10 +133,15 @@ def solid() -> al.Scene:
 
 
 @pytest.mark.parametrize("made", [gaps, cuts, covered, layered, in_world, regions, solid], ids=lambda made: made.__name__)
-def test_all_that_rays_meet_is_drawn_in_parts(any_renderer: al.Renderer, made) -> None:
+def test_all_that_rays_meet_is_drawn_in_parts(renderer: al.Renderer, made) -> None:
     drawn = made()
-    whole = any_renderer.render(drawn, SIZE, step=1.5)
-    parts = any_renderer.render(drawn, SIZE, step=1.5, driver=al.driver.Shells(group=2))
+    whole = renderer.render(drawn, SIZE, step=1.5)
+    parts = renderer.render(drawn, SIZE, step=1.5, driver=al.driver.Shells(group=2))
+    assert farthest(whole, parts) <= 1e-6
+
+
+def test_parts_on_the_core_device(core_renderer: al.Renderer) -> None:
+    whole, parts = (core_renderer.render(gaps(), SIZE, step=1.5, driver=d) for d in ("march", al.driver.Shells(group=2)))
     assert farthest(whole, parts) <= 1e-6
 
 

@@ -145,6 +145,7 @@ def pack(struct: Struct, value: Any) -> bytes:
     return record.tobytes()
 
 
+@lru_cache(maxsize=64)
 def size_in(text: str, name: str) -> int:
     """Bytes of a struct that a linked text declares, as an element of an array.
 

@@ -36,7 +36,7 @@ class HalfAngle(Driver):
     wgsl: ClassVar[str] = "slices.wgsl"
     throws_pictures: ClassVar[bool] = True
     adds_lights: ClassVar[bool] = True
-    light_size: int = value(512, at_least=LEAST_LIGHT, up_to=MOST_LIGHT, help="texels of a side of a light's buffer")
+    light_size: int = value(384, at_least=LEAST_LIGHT, up_to=MOST_LIGHT, help="texels of a side of a light's buffer")
     group: int = value(64, at_least=1, up_to=MOST_GROUP, help="slices that are drawn in one pass, behind one of the light")
     bias: float = value(
         1.0,

@@ -48,7 +48,7 @@ class SliceDriver(Driver):
 
     wgsl: ClassVar[str] = "slices.wgsl"
     back_to_front: bool = static(False, help="draw from the farthest group of slices to the nearest")
-    group: int = value(32, at_least=1, up_to=MOST_GROUP, help="slices drawn in one pass: 1 is slice by slice")
+    group: int = value(64, at_least=1, up_to=MOST_GROUP, help="slices drawn in one pass: 1 is slice by slice")
 
     def __post_init__(self) -> None:
         """Check the parameters."""

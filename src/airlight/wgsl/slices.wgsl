@@ -4,12 +4,13 @@ import generated::driver::BACK_TO_FRONT;
 import generated::frame::frame;
 import generated::group::params as group;
 import generated::pass::unfinished;
+import generated::sizes::{FILLS, SKIPS_BLOCKS};
 import package::met::Met;
 import package::on_tile::on_tile;
 import package::ray::INFINITE;
 import package::slabs::march_part;
 import package::unfinished::Unfinished;
-import package::walk::{line_of, place_of};
+import package::walk::{line_of, next_block, place_of};
 import slot::camera::eye_ray;
 import slot::integrate::{begin, join, pause, resume};
 
@@ -28,6 +29,8 @@ fn take_group(@builtin(position) place: vec4f) {
   let t_begin = max(line.enter, place_of(line, group.first));
   let t_end = min(line.leave, place_of(line, group.last));
   if (t_end <= t_begin) { return; }
+  // Where all blocks on the way are empty there is nothing to take up.
+  if (SKIPS_BLOCKS && !FILLS && next_block(line, t_begin, t_end) >= t_end) { return; }
   var ray = unfinished[number];
   var before = begin();
   if (ray.covers_taken > 0u) { before = resume(ray.paused); }
