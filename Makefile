@@ -22,7 +22,7 @@ demo: $(VENV)/.adapter
 test: ready-test
 	@scripts/test.sh
 
-ready-test: $(VENV)/.test $(VENV)/.adapter
+ready-test: $(VENV)/.test $(VENV)/.adapter $(VENV)/.browser
 
 check: $(VENV)/.check
 	$(BIN)/ruff check .
@@ -68,6 +68,10 @@ $(VENV)/.bench: pyproject.toml $(VENV)/.package
 
 $(VENV)/.adapter: | $(VENV)/.package
 	@scripts/setup.sh adapter
+	@touch $@
+
+$(VENV)/.browser: | $(VENV)/.package
+	@scripts/setup.sh browser
 	@touch $@
 
 clean:

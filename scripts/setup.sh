@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Set-up for the Makefile: scripts/setup.sh venv | install WHAT [GROUP] | adapter
+# Set-up for the Makefile: scripts/setup.sh venv | install WHAT [GROUP] | adapter | browser
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -86,9 +86,16 @@ adapter() {
     "$python" -m airlight.app.setup_check || fail "no adapter answers, even with mesa-vulkan-drivers and libvulkan1"
 }
 
+# A browser for the tests of the viewer; without one they are skipped, and say so.
+browser() {
+    command -v chromium >/dev/null || command -v google-chrome >/dev/null && return
+    (apt_install "no Chromium for the viewer's tests" chromium fonts-dejavu-core) || echo "the viewer's tests in a browser will be skipped" >&2
+}
+
 case "${1:-}" in
     venv) make_venv ;;
     install) install "${@:2}" ;;
     adapter) adapter ;;
-    *) fail "usage: scripts/setup.sh venv | install WHAT [GROUP] | adapter" ;;
+    browser) browser ;;
+    *) fail "usage: scripts/setup.sh venv | install WHAT [GROUP] | adapter | browser" ;;
 esac

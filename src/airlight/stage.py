@@ -437,7 +437,7 @@ class Stage:
 
     def __post_init__(self) -> None:
         """Check every parameter against its type and its bounds."""
-        hints = _hints(type(self))
+        hints = type_hints(type(self))
         for field in stage_fields(type(self)):
             value, bounds = getattr(self, field.name), field.metadata["bounds"]
             kind = _kind_of(hints[field.name])
@@ -487,7 +487,8 @@ _KINDS = {
 _HINTS: dict[type, dict[str, Any]] = {}
 
 
-def _hints(cls: type) -> dict[str, Any]:
+def type_hints(cls: type) -> dict[str, Any]:
+    """Annotations of a stage's fields with the WGSL types that they carry."""
     if cls not in _HINTS:
         _HINTS[cls] = get_type_hints(cls, include_extras=True)
     return _HINTS[cls]
@@ -527,7 +528,7 @@ def stage_fields(cls: type) -> tuple[dataclasses.Field[Any], ...]:
 
 def uniform_fields(cls: type) -> list[tuple[str, str, str]]:
     """(name, WGSL type, unit) of the fields that are packed for the device, in the order of the class."""
-    hints = get_type_hints(cls, include_extras=True)
+    hints = type_hints(cls)
     found = []
     for field in dataclasses.fields(cls):
         if field.metadata.get("kind", "param") != "param":

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -80,18 +81,40 @@ def load_scene(
     version = root.take("format", int, FORMAT)
     if version != FORMAT:
         raise root.error("format", f"is {version}, this version reads {FORMAT}", "use a newer airlight")
-    background = _background(root, picture)
-    lights = [_light(table, _beside(folder, untrusted)) for table in root.tables("lights")] if "lights" in root.data else None
-    clips = _clips(root, folder, untrusted)
-    layers = [_layer(table, volume, picture, (folder, untrusted)) for table in root.tables("layers")]
-    annotations = [_annotation(table) for table in root.tables("annotations")]
-    meshes = [_mesh(table, folder, untrusted) for table in root.tables("meshes")]
-    camera = _camera(root)
     options = checked_options(root.table("render"))
+    beside = _beside(folder, untrusted)
+    return read_scene(root, Sources(volume, picture, beside, lambda data: from_dict(data, beside))), options
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Where a scene's plain data find what they only name: volumes, pictures of environments, files, and meshes."""
+
+    volume: Callable[[Table], Volume]
+    picture: Opener
+    file: Callable[[str], str]
+    mesh: Callable[[Mapping[str, Any]], Mesh | Lines | Points]
+
+
+def read_scene(root: Table, sources: Sources) -> Scene:
+    """Return the scene that plain data tell of; entries that nobody took are refused.
+
+    Raises
+    ------
+    ValueRangeError
+        For unknown keys, wrong types, values out of range and unknown stages.
+    """
+    background = _background(root, sources.picture)
+    lights = [_light(table, sources.file) for table in root.tables("lights")] if "lights" in root.data else None
+    clips = _clips(root, sources.file)
+    layers = [_layer(table, sources) for table in root.tables("layers")]
+    annotations = [_annotation(table) for table in root.tables("annotations")]
+    meshes = [_mesh(table, sources.mesh) for table in root.tables("meshes")]
+    camera = _camera(root)
     root.close()
     with root.located():
         values = {"lights": lights, "background": background, "clips": clips, "meshes": meshes, "annotations": annotations}
-        return Scene(layers=layers, camera=camera, **values), options  # type: ignore[arg-type]
+        return Scene(layers=layers, camera=camera, **values)  # type: ignore[arg-type]
 
 
 def load_transfer(path: str | Path) -> AnyFunction:
@@ -100,16 +123,16 @@ def load_transfer(path: str | Path) -> AnyFunction:
     return _transfer(parsed(path))
 
 
-def _layer(table: Table, volume: Callable[[Table], Volume], picture: Opener, beside: tuple[Path, bool]) -> Layer:
-    image, labels = _volume(table, "volume", volume), _labels(table, volume)
+def _layer(table: Table, sources: Sources) -> Layer:
+    image, labels = _volume(table, "volume", sources.volume), _labels(table, sources.volume)
     look = table.table("look")
-    chosen = {slot: stage_in(look, slot, slot, picture) for slot in Look.__dataclass_fields__ if slot in look.data}
+    chosen = {slot: stage_in(look, slot, slot, sources.picture) for slot in Look.__dataclass_fields__ if slot in look.data}
     look.taken |= set(Look.__dataclass_fields__)
     look.close()
     function = _transfer(table.table("transfer")) if "transfer" in table.data else None
     visible, density = table.take("visible", bool, True), table.take("density", float, 1.0)
     channel, time = table.take("channel", int | str, 0), table.take("time", int, 0)
-    clips = _clips(table, *beside)
+    clips = _clips(table, sources.file)
     table.taken |= {"volume", "labels", "transfer"}
     table.close()
     with table.located():
@@ -175,8 +198,8 @@ def _camera(root: Table) -> Camera | str:
     return camera
 
 
-def _clips(table: Table, folder: Path, untrusted: bool) -> tuple[Clip, ...]:
-    return tuple(_clip(inner, _beside(folder, untrusted)) for inner in table.tables("clips"))
+def _clips(table: Table, place: Callable[[str], str]) -> tuple[Clip, ...]:
+    return tuple(_clip(inner, place) for inner in table.tables("clips"))
 
 
 def _clip(table: Table, place: Callable[[str], str]) -> Clip:
@@ -184,9 +207,9 @@ def _clip(table: Table, place: Callable[[str], str]) -> Clip:
         return Clip.from_dict(table.data, place)
 
 
-def _mesh(table: Table, folder: Path, untrusted: bool) -> Mesh | Lines | Points:
+def _mesh(table: Table, made: Callable[[Mapping[str, Any]], Mesh | Lines | Points]) -> Mesh | Lines | Points:
     with table.located():
-        return from_dict(table.data, _beside(folder, untrusted))
+        return made(table.data)
 
 
 def _beside(folder: Path, untrusted: bool) -> Callable[[str], str]:

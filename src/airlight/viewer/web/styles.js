@@ -1,0 +1,2 @@
+// Style sheets beside airlight.css.
+export const styles = ["airlight.css"];

@@ -1,0 +1,119 @@
+// What panels get: the state, edits of it, questions to the session, the picture, and an overlay above it.
+
+/** A view on a session over a model. */
+export function makeView(model, canvas, overlay) {
+  const listeners = new Map();
+  const asked = new Map();
+  let number = 0;
+  let state = null;
+  let frame = null;
+  let drawn = Promise.resolve();
+
+  const view = {
+    model, canvas, overlay, schema: null, volumes: {}, name: "",
+    on(name, listener) {
+      listeners.set(name, [...(listeners.get(name) ?? []), listener]);
+      return () => listeners.set(name, listeners.get(name).filter((other) => other !== listener));
+    },
+    tell: (name, ...what) => (listeners.get(name) ?? []).forEach((listener) => listener(...what)),
+    send: (message, buffers) => model.send(message, undefined, buffers),
+    document: () => state?.document,
+    state: () => state,
+    frame: () => frame,
+    at: (path) => path.reduce((data, key) => data?.[key], state?.document),
+    edit: (path, value, merge) => view.ops([{ op: "set", path, value }], merge),
+    ops: (ops, merge) => view.send({ type: "edit", ops, merge }),
+    undo: () => view.send({ type: "undo" }),
+    redo: () => view.send({ type: "redo" }),
+    gesture: (gesture) => view.send({ type: "gesture", ...gesture }),
+    ask(what, args = {}) {
+      const id = ++number;
+      view.send({ type: "ask", id, what, arguments: args });
+      return new Promise((resolve, reject) => asked.set(id, { resolve, reject }));
+    },
+    size_px: () => [canvas.clientWidth, canvas.clientHeight],
+    project: (p_world) => projected(frame?.camera, p_world, view.size_px()),
+    unproject: (x, y) => unprojected(frame?.camera, x, y, view.size_px()),
+  };
+
+  const handlers = {
+    welcome(message) {
+      view.schema = message.schema;
+      view.tell("welcome", message);
+    },
+    state(message) {
+      state = message;
+      view.volumes = message.volumes;
+      view.name = message.name;
+      view.tell("state", state);
+    },
+    frame(message, [data]) {
+      // In a chain: bitmaps may be decoded out of order.
+      drawn = drawn.then(() => show(message, data)).catch((error) => view.tell("error", { what: String(error) }));
+    },
+    answer(message, buffers) {
+      const waiting = asked.get(message.id);
+      asked.delete(message.id);
+      if (message.error) waiting?.reject(message.error);
+      else waiting?.resolve({ ...message.value, buffers });
+    },
+    error: (message) => view.tell("error", message),
+    progress: (message) => view.tell("progress", message),
+  };
+
+  async function show(message, data) {
+    const blob = new Blob([data], { type: `image/${message.kind}` });
+    const bitmap = await createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+    canvas.width = bitmap.width;
+    canvas.height = bitmap.height;
+    canvas.getContext("2d").drawImage(bitmap, 0, 0);
+    bitmap.close();
+    frame = message;
+    view.send({ type: "ack", frame: message.frame });
+    view.tell("frame", message);
+  }
+
+  model.on("msg:custom", (message, buffers) => handlers[message.type]?.(message, buffers));
+  return view;
+}
+
+// -- cameras, as plain data
+
+const minus = (a, b) => a.map((x, n) => x - b[n]);
+const plus = (a, b, factor = 1) => a.map((x, n) => x + factor * b[n]);
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (a) => a.map((x) => x / Math.hypot(...a));
+
+/** Unit vectors to the right, up and forward. */
+export function basis(camera) {
+  const forward = unit(minus(camera.target, camera.eye));
+  const right = unit(cross(forward, camera.up));
+  return { right, up: cross(right, forward), forward };
+}
+
+/** Half of what the view shows from bottom to top, at distance one or in world units. */
+function halfHeight(camera) {
+  return camera.name === "orthographic" ? camera.height / 2 : Math.tan((camera.fov_deg * Math.PI) / 360);
+}
+
+/** Where a point of the world lies in the view, in CSS pixels; null behind the eye. */
+export function projected(camera, p_world, [width, height]) {
+  if (!camera || !height) return null;
+  const { right, up, forward } = basis(camera);
+  const way = minus(p_world, camera.eye);
+  const depth = camera.name === "orthographic" ? 1 : dot(way, forward);
+  if (depth <= 0) return null;
+  const scale = height / 2 / (halfHeight(camera) * depth);
+  return [width / 2 + dot(way, right) * scale, height / 2 - dot(way, up) * scale];
+}
+
+/** The ray of a point of the view in CSS pixels: { origin, direction } in the world. */
+export function unprojected(camera, x, y, [width, height]) {
+  if (!camera || !height) return null;
+  const { right, up, forward } = basis(camera);
+  const half = halfHeight(camera);
+  const aside = plus(right.map((r) => (r * half * (2 * x - width)) / height), up, (half * (height - 2 * y)) / height);
+  if (camera.name === "orthographic") return { origin: plus(camera.eye, aside), direction: forward };
+  return { origin: camera.eye, direction: unit(plus(forward, aside)) };
+}
