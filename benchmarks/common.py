@@ -99,6 +99,6 @@ def from_corner(volume: al.Volume, function: al.TransferFunction, look: Mapping[
 
 
 def frame_of(device: Device, drawn: al.Scene, options: Any, skip: str = "auto", **driver: Any) -> MarchFrame:
-    """Frame of a scene, ready to be drawn again and again by ``draw_march``."""
+    """Frame of a scene, ready to be drawn again and again by ``draw_frame``."""
     request = Request((options.size, options.size), al.driver.March(**driver), options.step, skip)
     return prepare(device, drawn, request, lambda: None, lambda *_: None)

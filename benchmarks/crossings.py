@@ -18,7 +18,7 @@ from volumes import cropped, real_volume
 import airlight as al
 from airlight import reference
 from airlight.gpu.device import Device, open_device
-from airlight.rendering.march import draw_march
+from airlight.rendering.ways import draw_frame
 
 STEPS = (1.0, 2.5, 5.0)
 REFINES = ("none", "bisection", "secant", "exact")
@@ -30,6 +30,7 @@ def main(argv: list[str] | None = None) -> int:
     """Measure, print, write."""
     parser = arguments(__doc__, "crossings", repeats=7, size=256, step=1.0, clock="what is printed: cpu where others are busy")
     options = parsed(parser, argv, size=20, repeats=1)
+    options.steps = STEPS[-1:] if options.quick else STEPS
     device = open_device(options.device)
     try:
         about = described(device, options)
@@ -65,10 +66,10 @@ def errors_of(device: Device, volume: al.Volume, name: str, tf: al.TransferFunct
     truth = reference.converged(scene, (pixels, pixels), step=1 / 4 if options.quick else 1 / 16).rgba
     seen = truth[..., 3] > 0
     rows = []
-    for step in STEPS:
+    for step in options.steps:
         for refine in REFINES:
             frame = frame_of(device, scene, Namespace(size=pixels, step=step), refine=refine)
-            error = np.abs(draw_march(frame)[0] - truth).max(axis=-1)[seen]
+            error = np.abs(draw_frame(frame)[0] - truth).max(axis=-1)[seen]
             quantiles = {f"q{100 * q:.0f} x255": 255 * float(np.quantile(error, q)) for q in (0.5, 0.75, 0.9)}
             rms = {"rms x255": 255 * float(np.sqrt(np.mean(error**2)))}
             rows.append({"surfaces": name, "step": step, "refine": refine} | rms | quantiles)
@@ -78,10 +79,10 @@ def errors_of(device: Device, volume: al.Volume, name: str, tf: al.TransferFunct
 def times_of(device: Device, volume: al.Volume, name: str, tf: al.TransferFunction, options: Any) -> list[dict[str, Any]]:
     """Time of every way relative to straight lines, in turns."""
     scene, rows = drawn_of(volume, tf), []
-    for step in STEPS:
+    for step in options.steps:
         shown = Namespace(size=options.size, step=step)
         frames = {refine: frame_of(device, scene, shown, refine=refine) for refine in REFINES}
-        measured = side_by_side({n: (lambda f=f: draw_march(f)) for n, f in frames.items()}, options.repeats, warm=2)
+        measured = side_by_side({n: (lambda f=f: draw_frame(f)) for n, f in frames.items()}, options.repeats, warm=2)
         for refine in REFINES:
             one, other = (getattr(measured[n], options.clock) for n in (refine, "none"))
             row = {"surfaces": name, "step": step, "refine": refine, f"ms {options.clock}": 1e3 * float(np.median(one))}

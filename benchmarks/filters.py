@@ -31,7 +31,8 @@ import airlight as al
 from airlight import reference
 from airlight.gpu.device import Device, open_device
 from airlight.reconstruction import kernels
-from airlight.rendering.march import MarchFrame, draw_march
+from airlight.rendering.march import MarchFrame
+from airlight.rendering.ways import draw_frame
 
 MOST = 6.0
 BRUTE = {"transfer": "postclassified", "shade": "none"}
@@ -83,7 +84,7 @@ def measured_rows(device: Device, volume: al.Volume, options: Any) -> list[dict[
         name: frame_of(device, from_corner(volume, haze(volume), BRUTE | {"field": field}), options, "none")
         for name, field in FIELDS.items()
     }
-    jobs = {name: (lambda frame=frame: draw_march(frame)) for name, frame in frames.items()}
+    jobs = {name: (lambda frame=frame: draw_frame(frame)) for name, frame in frames.items()}
     measured = side_by_side(jobs, options.repeats)
     return [
         {
@@ -124,7 +125,7 @@ def value_error(device: Device, volume: al.Volume, field: Any, options: Any) -> 
     ramp = al.TransferFunction([(known.minimum, (0, 0, 0), 0.0), (known.maximum, (1, 1, 1), 0.0)])
     drawn = from_corner(volume, ramp, {"field": field, "integrate": "mean", "shade": "none"})
     at = some_pixels(options.size)
-    image = draw_march(frame_of(device, drawn, options, "none"))[0][at[:, 1], at[:, 0]]
+    image = draw_frame(frame_of(device, drawn, options, "none"))[0][at[:, 1], at[:, 0]]
     truth = reference.render(drawn, (options.size, options.size), step=options.step, pixels=at)
     return float(np.abs(image - truth.rgba)[:, 0].max())
 

@@ -157,15 +157,14 @@ def rates(
 
 def against_bare(device: Any, volume: al.Volume, size: tuple[int, int], options: Any) -> dict[str, Any]:
     """Rate of ``slices`` without skipping and early ends over that of the bare stack, of one view."""
-    from airlight.rendering.march import draw_march
-    from airlight.rendering.sweep import draw_groups
+    from airlight.rendering.ways import draw_frame
 
     look = al.Look(transfer="postclassified", shade="none", integrate=al.integrate.EmissionAbsorption(opaque_at=1.0))
     drawn = al.Scene(volume, transfer=bone(), camera=view(volume, 30, size), look=look, background=None)
     request = Request(size, al.driver.Slices(), options.step, "none")
     frame = prepare(device, drawn, request, lambda: None, lambda *_: None)
     stack = bare_stack(frame)
-    runs = side_by_side({"bare": stack.draw, "slices": lambda: draw_march(frame, draw_groups)[0]}, options.repeats, warm=2)
+    runs = side_by_side({"bare": stack.draw, "slices": lambda: draw_frame(frame)[0]}, options.repeats, warm=2)
     difference = errors(runs["slices"].result, runs["bare"].result)
     quotient = float(np.median(np.array(runs["bare"].wall) / np.array(runs["slices"].wall)))
     return {

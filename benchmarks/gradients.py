@@ -21,7 +21,7 @@ from volumes import bone, real_volume, stand_in
 import airlight as al
 from airlight import reference
 from airlight.gpu.device import Device, open_device
-from airlight.rendering.march import draw_march
+from airlight.rendering.ways import draw_frame
 from airlight.stages.directions import angles_to, annealed, dodecahedron, spiral, volume_normals
 
 Precomputed, Quantised = al.gradient.Precomputed, al.lighting.Quantised
@@ -83,9 +83,9 @@ def measured(device: Device, volume: al.Volume, options: Any) -> list[dict[str, 
     made = {}
     for name, frame in frames.items():
         start = time.process_time()
-        draw_march(frame)  # links, uploads, computes
+        draw_frame(frame)  # links, uploads, computes
         made[name] = time.process_time() - start
-    jobs: dict[str, Callable[[], Any]] = {name: (lambda f=frame: draw_march(f)) for name, frame in frames.items()}  # type: ignore[misc]
+    jobs: dict[str, Callable[[], Any]] = {name: (lambda f=frame: draw_frame(f)) for name, frame in frames.items()}  # type: ignore[misc]
     runs = side_by_side(jobs, options.repeats)
     truth, pixels = reference_of(volume, runs["central"].result[0], options)
     rows = []

@@ -26,7 +26,8 @@ from airlight.reference.field import field_value
 from airlight.reference.march import span
 from airlight.reference.refine import crossings
 from airlight.rendering.frame import Request, prepare
-from airlight.rendering.march import MarchFrame, draw_march
+from airlight.rendering.march import MarchFrame
+from airlight.rendering.ways import draw_frame
 
 STEP = 5.0
 GRAZING_DEG = 2.0
@@ -109,7 +110,7 @@ def hit_errors(device: Device, name: str, scene: al.Scene, options: Any) -> list
     first = first_surfaces(scene, size)
     rows = []
     for refine in ("none", *LIMITS):
-        depth = draw_march(frame_of(device, scene, size, STEP, refine=refine))[1]
+        depth = draw_frame(frame_of(device, scene, size, STEP, refine=refine))[1]
         error, root, degrees, begins_outside = distances(scene, depth)
         error = error[(degrees > GRAZING_DEG) & begins_outside]
         met = np.isfinite(depth)
@@ -217,7 +218,7 @@ def refining(device: Device, head: al.Volume, view: str, options: Any) -> list[d
     rows = []
     for blocks in (True, False):
         frames = {r: frame_of(device, scene, options.size, STEP, refine=r, blocks=blocks) for r in ("none", *LIMITS)}
-        measured = side_by_side({n: (lambda f=f: draw_march(f)) for n, f in frames.items()}, options.repeats, warm=2)
+        measured = side_by_side({n: (lambda f=f: draw_frame(f)) for n, f in frames.items()}, options.repeats, warm=2)
         for name in LIMITS:
             one, other = (getattr(measured[n], options.clock) for n in (name, "none"))
             rows.append(
@@ -237,7 +238,7 @@ def larger_steps(device: Device, head: al.Volume, view: str, options: Any) -> li
     scene = iso_scene(head, BONE, view, zoom=0.6)
     cases = {"5": (STEP, True)} | {f"{s} {b}": (s, b) for s in LEAST_SPEED for b in (False, True)}
     frames = {name: frame_of(device, scene, options.size, step, blocks=blocks) for name, (step, blocks) in cases.items()}
-    measured = side_by_side({n: (lambda f=f: draw_march(f)) for n, f in frames.items()}, options.repeats, warm=2)
+    measured = side_by_side({n: (lambda f=f: draw_frame(f)) for n, f in frames.items()}, options.repeats, warm=2)
     large, large_time = measured["5"].result, getattr(measured["5"], options.clock)
     rows = []
     for step in LEAST_SPEED:

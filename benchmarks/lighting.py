@@ -19,7 +19,7 @@ from volumes import bone, cropped, real_volume
 import airlight as al
 from airlight import reference
 from airlight.gpu.device import Device, open_device
-from airlight.rendering.march import draw_march
+from airlight.rendering.ways import draw_frame
 
 FINE = 32
 WAYS: dict[str, al.Stage] = {
@@ -144,7 +144,7 @@ def timed(device: Device, options: Any) -> list[dict[str, Any]]:
         look = al.Look(gradient="precomputed", lighting=stage)
         scene = al.Scene(volume, transfer=bone(), camera=camera, look=look, background=None)
         frame = frame_of(device, scene, options, "auto")
-        jobs[way] = lambda frame=frame: draw_march(frame)
+        jobs[way] = lambda frame=frame: draw_frame(frame)
     measured = side_by_side(jobs, options.repeats, warm=2)
     base = measured["one sample, front"]
     return [{"lighting": way, "relative": by_both_clocks(measured[way], base)} | measured[way].summary() for way in WAYS]

@@ -26,7 +26,8 @@ from airlight.reference import prepare as prepare_reference
 from airlight.reference.camera import CAMERAS
 from airlight.reference.field import field_value
 from airlight.reference.march import span
-from airlight.rendering.march import MarchFrame, draw_march
+from airlight.rendering.march import MarchFrame
+from airlight.rendering.ways import draw_frame
 from airlight.stage import BLOCK_VOXELS, BlockRanges, Grid, Within
 
 BONE = 300.0  # HU
@@ -135,7 +136,7 @@ def grey(volume: al.Volume) -> al.TransferFunction:
 def compared(device: Device, name: str, scene: al.Scene, options: Any) -> dict[str, Any]:
     """Time and samples of a scene with and without skipping."""
     frames = {skip: frame_of(device, scene, options, skip) for skip in ("auto", "none")}
-    measured = side_by_side({n: (lambda f=f: draw_march(f)) for n, f in frames.items()}, options.repeats, warm=2)
+    measured = side_by_side({n: (lambda f=f: draw_frame(f)) for n, f in frames.items()}, options.repeats, warm=2)
     auto, none = measured["auto"], measured["none"]
     faster = by_both_clocks(none, auto)
     volume = scene.layers[0].volume
@@ -157,7 +158,7 @@ def compared(device: Device, name: str, scene: al.Scene, options: Any) -> dict[s
 def steps_of(device: Device, scene: al.Scene, options: Any) -> dict[str, Any]:
     """Look-ups of blocks of the mean ray, and samples over those of slabs that hold something."""
     frame = frame_of(device, scene, options)
-    samples = float(draw_march(frame)[2].sum(dtype=np.float64))
+    samples = float(draw_frame(frame)[2].sum(dtype=np.float64))
     distance = leaps_of(device, frame)
     setup = prepare_reference(scene)
     y, x = np.mgrid[: options.size : EVERY, : options.size : EVERY].reshape(2, -1)
@@ -230,7 +231,7 @@ def against_caster(device: Device, head: al.Volume, view: str, options: Any) -> 
     for name, driver in WAYS.items():
         large = type(options)(**{**vars(options), "step": 5.0}) if name == "steps of 5" else options
         frames[name] = frame_of(device, scene, large, **driver)
-    measured = side_by_side({n: (lambda f=f: draw_march(f)) for n, f in frames.items()}, options.repeats, warm=2)
+    measured = side_by_side({n: (lambda f=f: draw_frame(f)) for n, f in frames.items()}, options.repeats, warm=2)
     basic, row = measured["basic"], {"view": view, "basic ms": 1e3 * float(np.median(measured["basic"].wall))}
     for name in WAYS:
         one = measured[name]

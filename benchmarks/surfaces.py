@@ -17,7 +17,7 @@ from volumes import cropped, real_volume
 
 import airlight as al
 from airlight.gpu.device import Device, open_device
-from airlight.rendering.march import draw_march
+from airlight.rendering.ways import draw_frame
 
 COUNTS = (1, 10, 100)
 MOST = 1.05
@@ -85,7 +85,7 @@ def measured_case(
     skip = "none" if "nothing skipped" in name else "auto"
     scenes = {n: from_corner(volume, function, LOOKS[look]) for n, function in functions.items()}
     frames = {n: frame_of(device, scene, options, skip, refine="none") for n, scene in scenes.items()}
-    jobs = {str(n): (lambda frame=frame: draw_march(frame)) for n, frame in frames.items()}
+    jobs = {str(n): (lambda frame=frame: draw_frame(frame)) for n, frame in frames.items()}
     measured = side_by_side(jobs, options.repeats, warm=2)
     return [
         {

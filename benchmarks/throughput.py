@@ -29,7 +29,8 @@ from volumes import bone, cropped, haze, noisy_cloud, real_volume
 
 import airlight as al
 from airlight.gpu.device import Device, open_device
-from airlight.rendering.march import MarchFrame, draw_march
+from airlight.rendering.march import MarchFrame
+from airlight.rendering.ways import draw_frame
 
 LEAST_RATIO = 0.8
 AGREE = 2 / 255
@@ -99,7 +100,7 @@ def against_plain(device: Device, name: str, drawn: al.Scene, counts: bool, opti
     """Draw one scene in turns by airlight and by the plainest march."""
     frame = frame_of(device, drawn, options, "none")
     plain = plain_march(frame)
-    measured = side_by_side({"airlight": lambda: draw_march(frame), "plainest": plain.draw}, options.repeats)
+    measured = side_by_side({"airlight": lambda: draw_frame(frame), "plainest": plain.draw}, options.repeats)
     ours, theirs = measured["airlight"], measured["plainest"]
     samples = {"airlight": float(ours.result[2].sum()), "plainest": theirs.result[1]}
     difference = float(np.abs(ours.result[0] - theirs.result[0]).max())
@@ -155,7 +156,7 @@ def breakdown(device: Device, volumes: dict[str, al.Volume], options: Any) -> li
         frames = {
             look: frame_of(device, from_corner(volume, function, stages), options, "none") for look, stages in LOOKS.items()
         }
-        jobs = {look: (lambda frame=frame: draw_march(frame)) for look, frame in frames.items()}
+        jobs = {look: (lambda frame=frame: draw_frame(frame)) for look, frame in frames.items()}
         for look, measured in side_by_side(jobs, max(1, options.repeats // 2)).items():
             found = rate(measured, float(measured.result[2].sum()))
             rows.append(

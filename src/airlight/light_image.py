@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
+from .environment.pixels import KnownByPixels
 from .errors import DataError, FileError, ValueRangeError
 
 MOST_SIDE = 4096
@@ -21,7 +20,7 @@ SOFT_FROM = 0.6  # of a soft spot's radius
 
 
 @dataclass(frozen=True, eq=False)
-class LightImage:
+class LightImage(KnownByPixels):
     """Factors of a light's colour over its beam, first row on top as seen from the light; equal to another of equal content.
 
     Attributes
@@ -40,12 +39,14 @@ class LightImage:
         For factors that are negative, no number, or above 60000, and more than 4096 pixels a side.
     """
 
+    where: ClassVar[str] = "light.image"
+    opener: ClassVar[str] = "LightImage.open"
     pixels: npt.NDArray[np.float32]
     path: str | None = None
 
     def __post_init__(self) -> None:
         """Check the pixels and keep a copy that cannot be written."""
-        where, remedy = "light.image", "give factors (height, width) or (height, width, 3), linear, at least 0"
+        where, remedy = self.where, "give factors (height, width) or (height, width, 3), linear, at least 0"
         try:
             given = np.asarray(self.pixels)
         except ValueError:
@@ -65,26 +66,11 @@ class LightImage:
         kept.setflags(write=False)
         object.__setattr__(self, "pixels", kept)
 
-    @cached_property
-    def digest(self) -> bytes:
-        """What the content is known by."""
-        return hashlib.sha256(repr(self.pixels.shape).encode() + self.pixels.tobytes()).digest()
-
     @property
     def aspect(self) -> float:
         """Width over height."""
         height, width = self.pixels.shape[:2]
         return float(width / height)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, LightImage) and self.digest == other.digest
-
-    def __hash__(self) -> int:
-        return hash(self.digest)
-
-    def __repr__(self) -> str:
-        height, width = self.pixels.shape[:2]
-        return f"LightImage({width}x{height}" + (f", {self.path!r})" if self.path else ")")
 
     @staticmethod
     def soft() -> LightImage:
@@ -110,13 +96,5 @@ class LightImage:
         return LightImage(pixels[..., :3] if pixels.ndim == 3 else pixels, os.path.abspath(path))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the file's name, for scene files.
-
-        Raises
-        ------
-        DataError
-            When the picture came from no file.
-        """
-        if self.path is None:
-            raise DataError("light.image", "came from no file", "save its pixels as .npy and use LightImage.open")
-        return {"kind": "picture", "file": self.path}
+        """Return kind and file, for scene files; refused as for other pictures."""
+        return {"kind": "picture", **super().to_dict()}

@@ -132,7 +132,7 @@ class Volume:
         """Number of time steps."""
         return int(self.array.shape[0]) if self.array.ndim == 5 else 1
 
-    @property
+    @cached_property
     def spacing(self) -> tuple[float, float, float]:
         """World size of a voxel along its x, y and z axes."""
         x, y, z = np.linalg.norm(self.world_from_index[:3, :3], axis=0)

@@ -286,3 +286,17 @@ def test_what_is_released_counts_to_nothing(small_renderer, field):
 def test_keep_bytes_is_checked():
     with pytest.raises(al.ValueRangeError, match="keep_bytes is -1"):
         al.Renderer(keep_bytes=-1)
+
+
+def test_of_a_kind_the_newest_are_kept():
+    cache = Cache(1 << 30)
+    for number in range(5):
+        cache.begin_frame()
+        cache.get(("table", number), lambda: np.zeros(4096, np.uint8))
+        cache.get(("other", number), lambda: np.zeros(4096, np.uint8))
+    cache.find(("table", 0))
+    before = cache.bytes
+    cache.keep_newest("table", 2)
+    assert [key for key in cache if key[0] == "table"] == [("table", 4), ("table", 0)]
+    assert len(list(cache)) == 7
+    assert cache.bytes < before

@@ -13,6 +13,7 @@ from airlight.gpu.device import Device
 from airlight.reference.field import field_scalar
 from airlight.reference.gradient import field_gradient
 from airlight.rendering.frame import drawn_layer
+from airlight.rendering.layers import context_of
 from airlight.rendering.resources import DrawnLayer, bound_resources, pack_uniforms, uniform_values
 from airlight.shader.program import FrameUniforms, ProgramKey, Switches, build_program, stage_key
 
@@ -39,7 +40,7 @@ def scene_of(volume: al.Volume, field, gradient, camera="front", transfer=FUNCTI
 def on_device(device: Device, drawn: al.Scene, p_index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Values (n,) and world gradients (n, 3) at points (n, 3) in index coordinates; of mixtures the number gradients are of."""
     camera = drawn.camera if isinstance(drawn.camera, al.Camera) else None
-    layer = drawn_layer(drawn.layers[0], 1.0, SIZE_PX, False, camera)
+    layer = drawn_layer(drawn.layers[0], context_of(drawn.layers[0], 1.0, SIZE_PX, camera=camera))
     used = {slot: layer.stages[slot] for slot in ("field", "gradient")}
     alone = DrawnLayer(used, layer.context, {slot: layer.resources[slot] for slot in used})
     keys = tuple((slot, stage_key(stage, alone.resources[slot], stage.variant(layer.context))) for slot, stage in used.items())

@@ -12,7 +12,7 @@ from scenes import SIZE, scene
 
 import airlight as al
 from airlight import reference
-from airlight.rendering import march
+from airlight.rendering import ways
 from airlight.rendering.half_angle import lamps_of
 from airlight.stage import STAGES
 from airlight.stages.driver_half_angle import HalfAngleSweep
@@ -158,7 +158,7 @@ def test_what_is_handed_on_and_what_nobody_asks_for(renderer):
 def test_bands_of_rows_have_no_seams(renderer, monkeypatch):
     drawn, own = scene(), [Steps(), Shown(), Shown(scale=0.1)]
     whole = renderer.render(drawn, SIZE, passes=own)
-    monkeypatch.setattr(march, "MOST_ROWS", 15)
+    monkeypatch.setattr(ways, "MOST_ROWS", 15)
     parts = renderer.render(drawn, SIZE, passes=own)
     assert (parts.rgba == whole.rgba).all()
     assert (parts.depth == whole.depth).all()
@@ -166,7 +166,7 @@ def test_bands_of_rows_have_no_seams(renderer, monkeypatch):
         al.LimitError, match=r"pass 'everywhere' looks at the image in one piece, and .* holds 15 of its 40 rows"
     ):
         renderer.render(drawn, SIZE, passes=[everywhere()])
-    monkeypatch.setattr(march, "MOST_ROWS", 6)
+    monkeypatch.setattr(ways, "MOST_ROWS", 6)
     with pytest.raises(al.LimitError, match="passes look 3 rows up and down"):
         renderer.render(drawn, SIZE, passes=own)
 

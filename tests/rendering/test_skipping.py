@@ -268,10 +268,10 @@ def test_places_on_the_image_are_those_of_rays(seed, camera, p_px, depth):
 @given(seed=st.integers(0, 10_000), count=st.integers(0, 6))
 def test_columns_enclose_what_is_shown(seed, count):
     rng = np.random.default_rng(seed)
-    corners = rng.uniform(-10, 60, (count, 8, 2))
+    corners = rng.uniform(-10, 60, (8, count, 2))
     columns = columns_of(corners, SIZE)
     shown = np.zeros(SIZE[::-1], dtype=bool)
-    for x, y in np.floor(corners.mean(axis=1)).astype(int):
+    for x, y in np.floor(corners.mean(axis=0)).astype(int):
         if 0 <= x < SIZE[0] and 0 <= y < SIZE[1]:
             shown[y, x] = True
     covered = np.zeros_like(shown)

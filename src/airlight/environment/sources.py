@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -15,6 +14,7 @@ from ..errors import DataError, ValueRangeError
 from ..transfer.colour import linear_rgb
 from ..transfer.given import direction, finite
 from . import sky, studio
+from .pixels import KnownByPixels
 
 Vector = tuple[float, float, float]
 Picture32 = npt.NDArray[np.float32]
@@ -127,10 +127,12 @@ class Studio(_Analytic):
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class Picture(KnownByPixels):
     """An equirectangular picture; equal to another of equal content."""
 
     kind: ClassVar[str] = "picture"
+    where: ClassVar[str] = "environment"
+    opener: ClassVar[str] = "Environment.open"
     pixels: Picture32
     path: str | None = None
 
@@ -159,33 +161,6 @@ class Picture:
         copy.setflags(write=False)
         object.__setattr__(self, "pixels", copy)
 
-    @cached_property
-    def digest(self) -> bytes:
-        """What the content is known by."""
-        return hashlib.sha256(repr(self.pixels.shape).encode() + self.pixels.tobytes()).digest()
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Picture) and self.digest == other.digest
-
-    def __hash__(self) -> int:
-        return hash(self.digest)
-
-    def __repr__(self) -> str:
-        height, width = self.pixels.shape[:2]
-        return f"Picture({width}x{height}" + (f", {self.path!r})" if self.path else ")")
-
     def picture(self) -> Picture32:
         """Return the pixels."""
         return self.pixels
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the file's name.
-
-        Raises
-        ------
-        DataError
-            When the picture came from no file.
-        """
-        if self.path is None:
-            raise DataError("environment", "came from no file", "save its pixels as .npy and use Environment.open")
-        return {"file": self.path}

@@ -116,6 +116,13 @@ class Cache:
             self.drop(key)
         return self.bytes < before
 
+    def keep_newest(self, kind: str, most: int) -> None:
+        """Of what is kept under keys that begin with a kind, keep so many, and what the current frame uses."""
+        keys = [key for key in self._entries if key[0] == kind]
+        for key in keys[: max(0, len(keys) - most)]:
+            if self._entries[key].frame < self._frame:
+                self.drop(key)
+
     def forget_released(self) -> None:
         """Give up what belonged to owners that are gone."""
         for key in [key for key, entry in self._entries.items() if any(owner() is None for owner in entry.owners)]:

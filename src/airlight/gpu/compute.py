@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -69,7 +69,7 @@ def layouts_of(device: Device, program: Program, seen_by: int) -> tuple[Any, ...
     layouts = []
     for group in range(GROUPS):
         entries = [
-            _layout_entry(device, b) | {"visibility": seen_by & ~(wgpu.ShaderStage.VERTEX if b.kind in WRITTEN else 0)}
+            layout_entry(device, b) | {"visibility": seen_by & ~(wgpu.ShaderStage.VERTEX if b.kind in WRITTEN else 0)}
             for b in program.bindings
             if b.group == group
         ]
@@ -84,7 +84,8 @@ def shader_error(program: Program, message: str) -> ShaderError:
     return ShaderError(first or str(program.key.root), "does not compile\n" + explained)
 
 
-def _layout_entry(device: Device, binding: Binding) -> dict[str, Any]:
+def layout_entry(device: Device, binding: Binding) -> dict[str, Any]:
+    """Entry of a binding in the layout of its group, for any stage of a pipeline."""
     entry: dict[str, Any] = {"binding": binding.index}
     match binding.kind:
         case "uniform" | "lights":
@@ -140,11 +141,59 @@ def dispatch(device: Device, pipeline: Pipeline, groups: list[Any], counts: tupl
     device.queue.submit([encoder.finish()])
 
 
+def dispatch_pixels(device: Device, pipeline: Pipeline, groups: list[Any], width_px: int, height_px: int) -> None:
+    """Submit one dispatch with a thread for each pixel."""
+    dispatch(device, pipeline, groups, workgroups(device, width_px, height_px))
+
+
+def workgroups(device: Device, columns: int, rows: int, layers: int = 1) -> tuple[int, int, int]:
+    """Counts of workgroups that have a thread for each of so many columns, rows and layers."""
+    x, y = device.traits.workgroup
+    return -(-columns // x), -(-rows // y), layers
+
+
 def clear(device: Device, target: Any) -> None:
     """Fill a buffer with zeros."""
     encoder = device.gpu.create_command_encoder()
     encoder.clear_buffer(target)
     device.queue.submit([encoder.finish()])
+
+
+def repeat(device: Device, row: npt.NDArray[Any], count: int, target: Any) -> None:
+    """Fill the first bytes of a buffer with a row so many times, from a buffer that is kept for the next frame."""
+    usage = wgpu.BufferUsage
+
+    def make() -> Any:
+        made = device.gpu.create_buffer(size=row.nbytes * count, usage=usage.COPY_SRC | usage.COPY_DST)
+        device.queue.write_buffer(made, 0, np.tile(row, count))
+        return made
+
+    source = device.kept.get(("repeated", row.tobytes(), count), make)
+    encoder = device.gpu.create_command_encoder()
+    encoder.copy_buffer_to_buffer(source, 0, target, 0, row.nbytes * count)
+    device.queue.submit([encoder.finish()])
+
+
+def read_into(device: Device, parts: Sequence[tuple[Any, npt.NDArray[Any]]]) -> None:
+    """Read what buffers begin with into contiguous arrays, all at once where one buffer takes it."""
+    sizes = [array.nbytes for _, array in parts]
+    if len(parts) > 1 and sum(sizes) > device.limits["max-buffer-size"]:
+        for part in parts:
+            read_into(device, [part])
+        return
+    usage = wgpu.BufferUsage
+    mapped = buffer(device, "read back", sum(sizes), usage.MAP_READ | usage.COPY_DST)
+    places = np.cumsum([0, *sizes])[:-1].tolist()
+    encoder = device.gpu.create_command_encoder()
+    for (source, _), place, size in zip(parts, places, sizes, strict=True):
+        encoder.copy_buffer_to_buffer(source, 0, mapped, place, size)
+    device.queue.submit([encoder.finish()])
+    mapped.map_sync("READ", 0, sum(sizes))
+    try:
+        for (_, array), place, size in zip(parts, places, sizes, strict=True):
+            array.reshape(-1).view(np.uint8)[:] = np.frombuffer(mapped.read_mapped(place, size, copy=False), np.uint8)
+    finally:
+        mapped.unmap()
 
 
 def buffer(device: Device, name: Hashable, size: int, usage: int) -> Any:

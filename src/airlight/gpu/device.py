@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 import tempfile
@@ -127,7 +128,9 @@ def adapters() -> tuple[tuple[Any, DeviceInfo], ...]:
     prepare_environment()
     parse_types_quickly()
     if sys.platform.startswith("linux"):
-        set_instance_extras(backends=["Vulkan"])
+        # What uses wgpu beside airlight may have chosen already.
+        with contextlib.suppress(RuntimeError):
+            set_instance_extras(backends=["Vulkan"])
     found = list(wgpu.gpu.enumerate_adapters_sync())
     result = []
     for number, adapter in enumerate(found):

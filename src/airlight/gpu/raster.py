@@ -101,15 +101,46 @@ def upload_triangles(
     )
 
 
-def targets_of(device: Device, size_px: tuple[int, int]) -> Targets:
-    """Textures of a size."""
+def targets_of_size(device: Device, size_px: tuple[int, int]) -> Targets:
+    """Textures of a size, kept for the next frame."""
+
+    def make() -> Targets:
+        found, opaque, unused = (_target(device, size_px, each) for each in (FOUND_FORMAT, DEPTH_FORMAT, DEPTH_FORMAT))
+        return Targets(found, opaque, unused, size_px[0] * size_px[1] * BYTES_PER_PIXEL)
+
+    kept: Targets = device.kept.get(("targets", size_px), make)
+    return kept
+
+
+def _target(device: Device, size_px: tuple[int, int], texel_format: str) -> Any:
+    """View of a new texture that passes draw into and look at."""
     usage = wgpu.TextureUsage.RENDER_ATTACHMENT | wgpu.TextureUsage.TEXTURE_BINDING
+    return device.gpu.create_texture(size=(*size_px, 1), format=texel_format, usage=usage).create_view()
 
-    def texture(texel_format: str) -> Any:
-        return device.gpu.create_texture(size=(*size_px, 1), format=texel_format, usage=usage).create_view()
 
-    pixels = size_px[0] * size_px[1]
-    return Targets(texture(FOUND_FORMAT), texture(DEPTH_FORMAT), texture(DEPTH_FORMAT), pixels * BYTES_PER_PIXEL)
+def _pipeline(
+    device: Device, program: Program, entry: str, target: str | None, compare: str | None, cull: str = "none"
+) -> Pipeline:
+    """Compile a program that draws triangles, or return it from the cache.
+
+    ``entry`` is that of pixels, ``target`` the format of the texture that they are drawn into, if any. ``compare`` tells which
+    depths win; ``always`` makes no use of them, and None is for passes that have none.
+    """
+    depths = {"format": DEPTH_FORMAT, "depth_write_enabled": compare != "always", "depth_compare": compare}
+
+    def make(module: Any, layout: Any) -> Any:
+        return device.gpu.create_render_pipeline(
+            layout=layout,
+            vertex={"module": module, "entry_point": "at_corner", "buffers": [CORNER]},
+            primitive={"topology": "triangle-list", "front_face": "ccw", "cull_mode": cull},
+            fragment={"module": module, "entry_point": entry, "targets": [] if target is None else [{"format": target}]},
+            **({} if compare is None else {"depth_stencil": depths}),
+        )
+
+    seen_by = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
+    key = ("render pipeline", entry, program.key)
+    found: Pipeline = device.kept.get(key, lambda: compiled(device, program, seen_by, make))
+    return found
 
 
 def render_pipeline(device: Device, program: Program) -> Pipeline:
@@ -120,8 +151,9 @@ def render_pipeline(device: Device, program: Program) -> Pipeline:
     ShaderError
         With file and line of the WGSL at fault, and the compiler's words.
     """
-    found: Pipeline = device.kept.get(("render pipeline", program.key), lambda: _compile(device, program))
-    return found
+    if "fragments" in program.key.outputs:  # what is gathered is written into buffers
+        return _pipeline(device, program, "nearest", None, "always")
+    return _pipeline(device, program, "nearest", FOUND_FORMAT, "greater")
 
 
 def sweep_pipeline(device: Device, program: Program, target: str | None = None) -> Pipeline:
@@ -134,23 +166,9 @@ def sweep_pipeline(device: Device, program: Program, target: str | None = None) 
     ShaderError
         With file and line of the WGSL at fault, and the compiler's words.
     """
-    targets = [] if target is None else [{"format": target}]
-    entry = "take_group" if target is None else "pass_group"
-    # A pass without a target of colours has one of depths, of which it makes no use.
-    unused = {"depth_stencil": {"format": DEPTH_FORMAT, "depth_write_enabled": False, "depth_compare": "always"}}
-
-    def make(module: Any, layout: Any) -> Any:
-        return device.gpu.create_render_pipeline(
-            layout=layout,
-            vertex={"module": module, "entry_point": "at_corner", "buffers": [CORNER]},
-            primitive={"topology": "triangle-list", "front_face": "ccw", "cull_mode": "front"},
-            fragment={"module": module, "entry_point": entry, "targets": targets},
-            **(unused if target is None else {}),
-        )
-
-    seen_by = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
-    found: Pipeline = device.kept.get(("sweep pipeline", program.key), lambda: compiled(device, program, seen_by, make))
-    return found
+    if target is None:  # a pass has a target, of depths at least
+        return _pipeline(device, program, "take_group", None, "always", cull="front")
+    return _pipeline(device, program, "pass_group", target, None, cull="front")
 
 
 def write_corners(device: Device, name: str, corners: npt.NDArray[np.float64]) -> Any:
@@ -198,12 +216,6 @@ def _draw_part(device: Device, pipeline: Pipeline, groups: list[Any], kinds: dic
     device.queue.submit([encoder.finish()])
 
 
-def targets_of_size(device: Device, size_px: tuple[int, int]) -> Targets:
-    """Textures of a size, kept for the next frame."""
-    found: Targets = device.kept.get(("targets", size_px), lambda: targets_of(device, size_px))
-    return found
-
-
 def draw_extremes(
     device: Device, program: Program, size_px: tuple[int, int], triangles: npt.NDArray[np.float64], uniforms: bytes
 ) -> tuple[Any, Any]:
@@ -217,7 +229,7 @@ def draw_extremes(
     for (view, depth), entry, compare, empty in zip(
         views.pairs, ("first_face", "last_face"), ("greater", "less"), (3e38, 0.0), strict=True
     ):
-        pipeline = _extreme_pipeline(device, program, entry, compare)
+        pipeline = _pipeline(device, program, entry, "r32float", compare)
         kinds = {
             "color_attachments": [{"view": view, "load_op": "clear", "store_op": "store", "clear_value": (empty, 0, 0, 0)}],
             "depth_stencil_attachment": {
@@ -241,47 +253,8 @@ class Extremes:
 
 
 def _extremes_of(device: Device, size_px: tuple[int, int]) -> Extremes:
-    usage = wgpu.TextureUsage.RENDER_ATTACHMENT | wgpu.TextureUsage.TEXTURE_BINDING
-
-    def texture(texel_format: str) -> Any:
-        return device.gpu.create_texture(size=(*size_px, 1), format=texel_format, usage=usage).create_view()
-
-    pair = [(texture("r32float"), texture(DEPTH_FORMAT)) for _ in range(2)]
+    pair = [(_target(device, size_px, "r32float"), _target(device, size_px, DEPTH_FORMAT)) for _ in range(2)]
     return Extremes((pair[0], pair[1]), 16 * size_px[0] * size_px[1])
-
-
-def _extreme_pipeline(device: Device, program: Program, entry: str, compare: str) -> Pipeline:
-    def make(module: Any, layout: Any) -> Any:
-        return device.gpu.create_render_pipeline(
-            layout=layout,
-            vertex={"module": module, "entry_point": "at_corner", "buffers": [CORNER]},
-            primitive={"topology": "triangle-list", "front_face": "ccw", "cull_mode": "none"},
-            depth_stencil={"format": DEPTH_FORMAT, "depth_write_enabled": True, "depth_compare": compare},
-            fragment={"module": module, "entry_point": entry, "targets": [{"format": "r32float"}]},
-        )
-
-    seen_by = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
-    found: Pipeline = device.kept.get(("faces", entry, program.key), lambda: compiled(device, program, seen_by, make))
-    return found
-
-
-def _compile(device: Device, program: Program) -> Pipeline:
-    draws = "fragments" not in program.key.outputs  # what is gathered is written into buffers
-
-    def make(module: Any, layout: Any) -> Any:
-        return device.gpu.create_render_pipeline(
-            layout=layout,
-            vertex={"module": module, "entry_point": "at_corner", "buffers": [CORNER]},
-            primitive={"topology": "triangle-list", "cull_mode": "none"},
-            depth_stencil={
-                "format": DEPTH_FORMAT,
-                "depth_write_enabled": draws,
-                "depth_compare": "greater" if draws else "always",
-            },
-            fragment={"module": module, "entry_point": "nearest", "targets": [{"format": FOUND_FORMAT}] if draws else []},
-        )
-
-    return compiled(device, program, wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT, make)
 
 
 def bound(device: Device, pipeline: Pipeline, triangles: Triangles, resources: Mapping[str, Any]) -> Drawn:

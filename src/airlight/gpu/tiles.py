@@ -24,13 +24,14 @@ class Tile:
 
 @dataclass
 class Pace:
-    """Pixels a second of one kind of work, measured as it goes."""
+    """Pixels a second of one kind of work, measured as it goes; ``first`` of them are drawn to begin with."""
 
+    first: int = FIRST_TILE_PIXELS
     pixels_per_second: float = 0.0
 
     def pixels(self) -> int:
         """Pixels that take about ``TILE_SECONDS``."""
-        return max(64, int(self.pixels_per_second * TILE_SECONDS)) if self.pixels_per_second else FIRST_TILE_PIXELS
+        return max(64, int(self.pixels_per_second * TILE_SECONDS)) if self.pixels_per_second else self.first
 
     def learn(self, pixels: int, seconds: float) -> None:
         """Take a measurement in; rays differ, so it is averaged."""

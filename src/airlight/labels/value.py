@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import difflib
 import os
 from collections.abc import Iterable, Mapping
@@ -16,7 +17,7 @@ import numpy.typing as npt
 from ..errors import DataError, ValueRangeError
 from ..transfer import TransferFunction
 from ..transfer.colour import Colour
-from ..transfer.given import listed, share
+from ..transfer.given import listed, set_fields, share
 from ..transfer.kinds import AnyFunction, DrawnFunction
 from ..transfer.regions import ByRegion
 from ..volume import Volume
@@ -121,7 +122,7 @@ class Labels:
 
     def name_of(self, label: int) -> str:
         """Name of a label; its number where it has none."""
-        return dict(self.names).get(label, str(label))
+        return self.name_by_label.get(label, str(label))
 
     def style_of(self, label: int) -> LabelStyle:
         """Style of a label, whether it is shown or not."""
@@ -210,6 +211,17 @@ class Labels:
         """Return the labels with these names beside those that they have."""
         return replace_labels(self, names=dict(self.names) | dict(names))
 
+    def with_names_of(self, other: Labels) -> Labels:
+        """Return the labels with another's names in place of their own: the very same, since there may be very many."""
+        made = copy.copy(self)
+        set_fields(made, names=other.names)
+        made.__dict__.pop("_plain", None)
+        for name in {"name_by_label", "_by_name", "_plain_names"}:
+            made.__dict__.pop(name, None)
+            if name in other.__dict__:
+                made.__dict__[name] = other.__dict__[name]
+        return made
+
     def numbers(self, labels: Some) -> frozenset[int]:
         """Numbers of labels that are given by number or name; a name stands for all labels that have it.
 
@@ -234,12 +246,20 @@ class Labels:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data without the volume, as scene files keep it; nothing of what is as it comes."""
+        return dict(self._plain)
+
+    @cached_property
+    def _plain(self) -> dict[str, Any]:
         plain = Labels(self.volume)
         data: dict[str, Any] = {"styles": {str(label): style.to_dict() for label, style in self.styles}} if self.styles else {}
         data |= {} if self.default == plain.default else {"default": self.default.to_dict()}
         data |= {name: getattr(self, name) for name in ("background", "fade") if getattr(self, name) != getattr(plain, name)}
         data |= {name: ids_to_text(ids) for name in ("hidden", "highlighted") if (ids := getattr(self, name))}
-        return data | ({"names": {str(label): name for label, name in self.names}} if self.names else {})
+        return data | ({"names": self._plain_names} if self.names else {})
+
+    @cached_property
+    def _plain_names(self) -> dict[str, str]:
+        return {str(label): name for label, name in self.names}
 
     @classmethod
     def from_dict(cls, volume: Volume, data: Mapping[str, Any]) -> Labels:
@@ -265,6 +285,11 @@ class Labels:
     def by_label(self) -> dict[int, LabelStyle]:
         """Style of each label that has one of its own."""
         return dict(self.styles)
+
+    @cached_property
+    def name_by_label(self) -> dict[int, str]:
+        """Name of each label that has one."""
+        return dict(self.names)
 
     @cached_property
     def _by_name(self) -> dict[str, frozenset[int]]:

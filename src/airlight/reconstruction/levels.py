@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import numpy.typing as npt
@@ -38,3 +38,25 @@ def _halved(grid: npt.NDArray[np.generic], axis: int) -> npt.NDArray[np.float32]
         i = np.arange(m, dtype=np.float32).reshape(m, 1, 1)
         means = (first * (m - i) + second * np.float32(m) + lines[2::2].astype(np.float32) * (i + 1)) / np.float32(n)
     return np.moveaxis(means, 0, axis)
+
+
+def averaged(
+    grid: npt.NDArray[np.generic], shape: tuple[int, int, int], progress: Callable[[int, int], None] | None = None
+) -> npt.NDArray[np.float32]:
+    """Means of samples ``(z, y, x)`` over ``shape`` boxes of equal size that fill the grid; ``progress`` is told of slices."""
+    depth, height, width = (_box_shares(n, m) for n, m in zip(grid.shape, shape, strict=True))
+    summed = np.zeros(shape, dtype=np.float32)
+    for z, shares in enumerate(depth.T):
+        plane = height @ grid[z].astype(np.float32) @ width.T
+        for box in np.flatnonzero(shares):
+            summed[box] += shares[box] * plane
+        if progress:
+            progress(z + 1, grid.shape[0])
+    return summed
+
+
+def _box_shares(n: int, m: int) -> npt.NDArray[np.float32]:
+    """What each of n samples adds to each of m boxes (m, n): the share of the box that it takes."""
+    ends = np.arange(m + 1) * (n / m)
+    low, high = np.maximum(ends[:-1, None], np.arange(n)), np.minimum(ends[1:, None], np.arange(n) + 1)
+    return np.asarray(np.maximum(high - low, 0.0) * (m / n), dtype=np.float32)

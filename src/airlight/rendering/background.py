@@ -70,9 +70,8 @@ def put_behind(frame: MarchFrame, bands: Iterable[Any]) -> None:
     pipeline = compute.pipeline_of(device, program)
     values = uniform_values(device, stages, frame.layers, frame.anchor_world, frame.progress)
     views = bound_resources(device, program, frame.layers, resources, frame.anchor_world, frame.progress)
-    x, y = device.traits.workgroup
     for band in bands:
         data = pack_uniforms(program, band.uniforms(), values)
         bound = {**views, "radiance": band.radiance, "uniforms": compute.write_uniforms(device, "uniforms of background", data)}
         groups = compute.bind_groups(device, pipeline, bound)
-        compute.dispatch(device, pipeline, groups, (-(-frame.size_px[0] // x), -(-band.rows // y), 1))
+        compute.dispatch_pixels(device, pipeline, groups, frame.size_px[0], band.rows)

@@ -13,10 +13,11 @@ import numpy.typing as npt
 
 from ..errors import LimitError, StageError
 from ..gpu import raster
+from ..gpu.tiles import Tile
 from ..shader.program import GroupUniforms, ProgramKey, Switches, build_program, stage_key
 from ..stages.camera import Orthographic, Perspective
 from ..volume import FloatArray, domain_index
-from .rasterised import NEAR, skin_world
+from .rasterised import depths_between, skin_world
 from .resources import DrawnLayer, layer_leaps, pack_uniforms
 
 if TYPE_CHECKING:
@@ -90,13 +91,12 @@ def reaches(frame: MarchFrame, band: Band) -> dict[str, Any]:
     check_bounding(frame)
     device, camera = frame.device, frame.scene_stages["camera"]
     triangles = np.concatenate([faces_of(frame, layer) for layer in frame.layers])
-    depths = (triangles.reshape(-1, 3) - np.asarray(camera.eye)) @ camera.basis()[2] if len(triangles) else np.ones(1)  # type: ignore[attr-defined]
-    far = max(float(depths.max()) * (1 + 1e-3), 1e-30)
+    near, far = depths_between(triangles.reshape(-1, 3), frame)
     keys = (("camera", stage_key(camera)),)
     program = build_program(ProgramKey("passes/bounding.wgsl", keys, (), (), ("group",), Switches(), device.traits))
     size = (frame.size_px[0], band.rows)
-    part = band.uniforms(tile_origin_px=(0, band.first_row), tile_size_px=size)
-    values = {"camera": camera.uniforms(frame.layers[0].context), "group": GroupUniforms(0.0, 0.0, NEAR * far, far)}
+    part = band.uniforms(Tile(0, band.first_row, *size))
+    values = {"camera": camera.uniforms(frame.layers[0].context), "group": GroupUniforms(0.0, 0.0, near, far)}
     data = pack_uniforms(program, part, values)
     first, last = raster.draw_extremes(device, program, size, triangles, data)
     return {"reach_first": first, "reach_last": last}

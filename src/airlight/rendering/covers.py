@@ -180,8 +180,8 @@ class _Shown:
         return np.frombuffer(data, dtype=np.uint32).astype(np.int64)
 
     def _part(self, tile: Tile) -> FrameUniforms:
-        uniforms: FrameUniforms = self.band.uniforms()
-        return replace(uniforms, tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
+        uniforms: FrameUniforms = self.band.uniforms(tile)
+        return uniforms
 
 
 def check_covers(frame: MarchFrame) -> None:

@@ -10,24 +10,19 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from ..clips import Clip
 from ..environment import Environment
 from ..errors import DataError, LimitError, ValueRangeError
 from ..first_picture import resolve
 from ..gpu.device import Device
 from ..gpu.textures import Progress
-from ..light import Light
 from ..scene import Layer, Scene, check_scene
 from ..shader.program import Program
 from ..stage import SLOTS, Context, Stage, make_stage
 from ..stages.blocks import block_bounds, block_leaps
 from ..stages.driver import gains_from_curvature, sharpens_surfaces
-from ..stages.driver_half_angle import HalfAngle
-from ..stages.driver_slices import SliceDriver
 from ..stages.passes import Pass
 from ..stages.transfer import Transfer
 from ..volume import statistics
@@ -35,18 +30,18 @@ from .annotating import annotated, noted
 from .background import background_statistics, plain_background, without_layers
 from .clips import clip_statistics, cutting_clips, nothing_left
 from .covers import check_covers, visible_corners
-from .half_angle import casts_shadows, check_pictures, draw_lights, light_statistics, lights_program, longest_way
+from .half_angle import check_pictures
 from .hits import Hits, check_keeps, check_relights, check_same
 from .image import FloatImage, Image
-from .layers import checked_layers, layer_statistics, read_layers
-from .march import MarchFrame, declares, draw_march, draws_caps, march_program
+from .layers import checked_layers, context_of, layer_statistics, read_layers
+from .march import MarchFrame, declares, draws_caps
 from .nearby import chosen_anchor, near_camera, shifted_lights
 from .outlines import check_outlines
 from .passes import check_bounds, check_reads
 from .resources import DrawnLayer, unless_full
 from .shown import IntArray
 from .stats import disagreement_statistics, frame_statistics
-from .sweep import draw_groups, longest_slab, planes_of, slice_statistics, sweep_program, sweeps
+from .ways import RAYS, draw_frame, way_of
 
 GREATEST_VALUE = 1e37
 LEAST_TOLERANCE = 1e-5
@@ -94,7 +89,7 @@ class Request:
             raise ValueRangeError(given[0], f"is given beside {given[1]}, and each chooses the step", "leave one out")
         if self.tolerance is not None:
             check_bounds(self.passes)
-        if self.tolerance is not None and isinstance(self.driver, (SliceDriver, HalfAngle)):
+        if self.tolerance is not None and way_of(self.driver) is not RAYS:
             raise ValueRangeError("tolerance", f"is given, and the driver {self.driver.name} draws whole images", "use march")
         if self.skip not in SKIPS:
             raise ValueRangeError("skip", f"is {self.skip!r}, must be one of {', '.join(SKIPS)}")
@@ -200,15 +195,14 @@ def relight(
 
 def _finished(frame: MarchFrame, request: Request, start: float) -> tuple[Image, FloatImage]:
     device = frame.device
-    draws = draw_lights if casts_shadows(frame) else draw_groups if sweeps(frame) else None
-    rgba, depth, samples = draw_march(frame, draws)
+    rgba, depth, samples = draw_frame(frame)
     device.kept.trim()
     stats = frame_statistics(frame, request.step) | background_statistics(frame.scene) | frame.covers.statistics()
     taken = float(np.abs(samples).sum(dtype=np.float64))
     is_nothing = taken == 0 and frame.found is None and not frame.covers.meshes
     stats |= clip_statistics(frame.given, frame.clips, draws_caps(frame), is_nothing) | layer_statistics(frame)
     stats |= {"samples": int(taken), "milliseconds": frame.clock.milliseconds}
-    stats |= light_statistics(frame) if casts_shadows(frame) else slice_statistics(frame)
+    stats |= way_of(frame.scene_stages["driver"]).statistics(frame)
     stats["passes"] = {"drawn": list(frame.ran), "left_out": list(frame.left_out)}
     stats |= {name: frame.measured[name] for name in ("luminance",) if name in frame.measured}
     if frame.found is None and frame.chosen is None:
@@ -222,9 +216,7 @@ def explain(device: Device, scene: Scene, request: Request) -> Program:
     """Link the program that would draw a frame, without drawing it."""
     scene, _ = left_to_draw(annotated(resolve(scene, request.size_px), request.size_px)[0])
     frame = prepare(device, scene, request, lambda: None, lambda *_: None)
-    if casts_shadows(frame):
-        return lights_program(frame)
-    return sweep_program(frame, planes_of(frame)) if sweeps(frame) else march_program(frame)
+    return way_of(request.driver).program(frame)
 
 
 def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress) -> MarchFrame:
@@ -236,25 +228,12 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
     sharpens = sharpens_surfaces(request.driver) and len(visible) == 1
     clips = cutting_clips(scene, visible)
     check_pictures(scene, request.driver)
-    if isinstance(request.driver, HalfAngle):
-        slab_world = longest_way(visible, scene, request.size_px, step_world)
-    else:
-        slab_world = longest_slab(request.driver, visible, scene.camera, request.size_px, step_world)
+    slab_world = way_of(request.driver).longest(request.driver, visible, scene, request.size_px, step_world)
+    told = {"camera": scene.camera, "clips": clips, "progress": progress, "lights": scene.lights}
+    contexts = [context_of(layer, slab_world, request.size_px, **told) for layer in visible]
     layers = tuple(
-        drawn_layer(
-            layer,
-            slab_world,
-            request.size_px,
-            skips,
-            scene.camera,
-            keeps,
-            sharpens,
-            clips,
-            progress,
-            request.converges,
-            scene.lights,
-        )
-        for layer in visible
+        drawn_layer(layer, context, skips, keeps, sharpens, request.converges)
+        for layer, context in zip(visible, contexts, strict=True)
     )
     stages = visible[0].look.stages()
     if request.skip == "auto" and len(layers) == 1 and getattr(stages["integrate"], "skips_empty", False):
@@ -291,22 +270,17 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
 
 def drawn_layer(
     layer: Layer,
-    step_world: float,
-    size_px: tuple[int, int],
-    skips: bool,
-    camera: Any = None,
+    context: Context,
+    skips: bool = False,
     keeps_hits: bool = False,
     sharpens: bool = False,
-    clips: tuple[Clip, ...] = (),
-    progress: Progress | None = None,
     converges: bool = False,
-    lights: tuple[Light, ...] = (),
 ) -> DrawnLayer:
     """Give a layer its stages and their resources; a volume with empty samples gets the field that keeps them apart.
 
     Where surfaces alone are drawn, and space may be skipped, the field knows how far to leap over blocks without one. Surfaces
     that are kept have gradients although nothing may be lit. ``sharpens`` tells that the driver looks for the places of
-    surfaces. ``clips`` are those that cut the layer. ``converges`` is told of in ``Request``.
+    surfaces. ``converges`` is told of in ``Request``.
     """
     assert layer.transfer is not None
     for channel in layer.channels:
@@ -317,19 +291,6 @@ def drawn_layer(
                 f"has values from {known.minimum:.3g} to {known.maximum:.3g}, beyond what devices hold ({GREATEST_VALUE:g})",
                 "scale it, e.g. volume / 1e30, and the transfer function with it",
             )
-    context = Context(
-        layer.volume,
-        layer.function,
-        layer.channels,
-        layer.time,
-        step_world,
-        size_px,
-        layer.labels,
-        camera,
-        clips,
-        progress,
-        lights,
-    )
     stages = {slot: stage for slot, stage in layer.stages(keeps_hits).items() if SLOTS[slot].per_layer}
     if isinstance(stages["transfer"], Transfer):
         transfer = stages["transfer"].for_context(context)

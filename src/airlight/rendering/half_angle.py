@@ -46,16 +46,12 @@ from .march import Band, MarchFrame, bound_groups, looked_at, uploaded, written_
 from .nearby import near_camera, shifted
 from .proxies.pieces import Pieces, pieces_between
 from .proxies.polyhedra import Polyhedron, inflated
+from .rasterised import depths_between
 from .resources import DrawnLayer, pack_uniforms
-from .sweep import depths_between, draw_groups, hull_of, planes_of, slice_statistics, sweep_program
+from .sweep import draw_groups, hull_of, planes_of, slice_statistics, sweep_program
 
 WHERE = "driver 'half_angle'"
 UNTOUCHED = -1.0  # as wgsl/light_kept.wgsl has it
-
-
-def casts_shadows(frame: MarchFrame) -> bool:
-    """Whether a frame is drawn by this driver."""
-    return isinstance(frame.scene_stages["driver"], HalfAngle)
 
 
 def check_lit(frame: MarchFrame) -> None:
@@ -150,7 +146,7 @@ def cosines_of(lamp: Lamp, camera: Camera, size_px: tuple[int, int], corners_wor
     return least_cosine(lamp.planes.normal, camera, size_px, corners_world), of_light
 
 
-def longest_way(layers: Sequence[Layer], scene: Scene, size_px: tuple[int, int], step_world: float) -> float:
+def longest_way(driver: Stage, layers: Sequence[Layer], scene: Scene, size_px: tuple[int, int], step_world: float) -> float:
     """Length of the longest slab of all sweeps [world], of the eye's rays and of the lights', or a bit more.
 
     A power of the root of two, in steps: tables of slabs stay as they are while lights and camera turn.
@@ -371,7 +367,7 @@ def kept_planes(driver: HalfAngle, slices: int) -> int:
 
 def draw_lights(frame: MarchFrame, bands: list[Band]) -> None:
     """Draw bands of rows, light by light; what each makes is added up."""
-    for number, (eye, light) in enumerate(sweeps_of(frame)):
+    for number, (eye, light) in enumerate(frame.once(sweeps_of)):
         if number == 0:
             draw_groups(eye, bands, light)
             continue
@@ -398,16 +394,15 @@ def _add(frame: MarchFrame, band: Band, added: dict[str, Any]) -> None:
     pipeline = compute.pipeline_of(device, program)
     data = pack_uniforms(program, band.uniforms(), {})
     buffers = {"radiance": band.radiance, "depth": band.depth, **added}
-    x, y = device.traits.workgroup
     groups = bound_groups(frame, pipeline, buffers, "added", data)
-    compute.dispatch(device, pipeline, groups, (-(-frame.size_px[0] // x), -(-band.rows // y), 1))
+    compute.dispatch_pixels(device, pipeline, groups, frame.size_px[0], band.rows)
 
 
 def light_statistics(frame: MarchFrame) -> dict[str, Any]:
     """What ``image.stats`` says of lights: slices, groups and order of each one's sweep, and its buffers."""
     driver = frame.scene_stages["driver"]
     assert isinstance(driver, HalfAngle)
-    sweeps = [slice_statistics(eye)["slices"] for eye, _ in sweeps_of(frame)]
+    sweeps = [slice_statistics(eye)["slices"] for eye, _ in frame.once(sweeps_of)]
     planes = kept_planes(driver, max(sweep["count"] for sweep in sweeps) - 1)
     texel_bytes = 2 * light_buffers.TEXEL_BYTES + planes * light_buffers.PLANE_TEXEL_BYTES
     formats = [light_buffers.LIGHT_FORMAT, light_buffers.PLANES_FORMAT]
@@ -417,5 +412,11 @@ def light_statistics(frame: MarchFrame) -> dict[str, Any]:
 
 def lights_program(frame: MarchFrame) -> Program:
     """Program by which the eye sees the first light."""
-    eye, light = sweeps_of(frame)[0]
-    return sweep_program(eye, planes_of(eye), light)
+    eye, light = frame.once(sweeps_of)[0]
+    return sweep_program(eye, light)
+
+
+def first_planes(frame: MarchFrame) -> Planes | None:
+    """Planes of the slices of the first light."""
+    eye, _ = frame.once(sweeps_of)[0]
+    return eye.once(planes_of)

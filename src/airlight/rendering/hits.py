@@ -124,7 +124,6 @@ def light_again(frame: MarchFrame, bands: Iterable[Any]) -> None:
     pipeline = compute.pipeline_of(device, program)
     values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress) | instead
     views = bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress)
-    x, y = device.traits.workgroup
     assert frame.found is not None
     for band in bands:
         rows = np.ascontiguousarray(frame.found.array[band.first_row : band.first_row + band.rows])
@@ -138,4 +137,4 @@ def light_again(frame: MarchFrame, bands: Iterable[Any]) -> None:
             "lights": write_lights(device, frame.scene.lights),
         }
         groups = compute.bind_groups(device, pipeline, bound)
-        compute.dispatch(device, pipeline, groups, (-(-frame.size_px[0] // x), -(-band.rows // y), 1))
+        compute.dispatch_pixels(device, pipeline, groups, frame.size_px[0], band.rows)

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 from ..errors import LimitError, StageError
 from ..scene import Layer, Scene
 from ..shader.program import Program
-from ..stage import Stage
+from ..stage import Context, Stage
 from ..stages.driver import Driver
+from .resources import TEXTURES
 
 if TYPE_CHECKING:
     from .march import MarchFrame
 
 MOST_LAYERS = 8
 SHARED = ("integrate", "tone", "visibility")
-TEXTURES = ("table", "layers", "grid", "loaded_grid", "stack", "loaded_stack", "gradients", "labels", "openness")
 
 
 def checked_layers(scene: Scene) -> tuple[Layer, ...]:
@@ -68,6 +68,11 @@ def read_layers(layers: tuple[Layer, ...], driver: Stage) -> tuple[Layer, ...]:
         return layer if field is layer.look.field else replace(layer, look=replace(layer.look, field=field))
 
     return tuple(read(layer) for layer in layers)
+
+
+def context_of(layer: Layer, step_world: float, size_px: tuple[int, int], **told: Any) -> Context:
+    """What stages may look at of a layer in a frame; ``told`` are further fields of it."""
+    return Context(layer.volume, layer.function, layer.channels, layer.time, step_world, size_px, layer.labels, **told)
 
 
 def check_layers(frame: MarchFrame) -> None:

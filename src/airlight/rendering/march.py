@@ -1,14 +1,14 @@
-"""The march driver: its passes, and the bands and tiles in which they run."""
+"""The march driver: its program, and the bands and tiles in which it runs."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from weakref import proxy
 
 import numpy as np
@@ -19,8 +19,8 @@ from ..errors import StageError
 from ..gpu import compute
 from ..gpu.device import Device
 from ..gpu.textures import Progress
-from ..gpu.tiles import Pace, Tile, run_tiles, tiles
-from ..handed import COLOUR, DEPTH, PIXEL_BYTES, Prepared
+from ..gpu.tiles import FIRST_TILE_PIXELS, Pace, Tile, run_tiles, tiles
+from ..handed import COLOUR, DEPTH, PIXEL_BYTES
 from ..scene import Scene
 from ..shader.link import parse, stage_source
 from ..shader.program import (
@@ -37,7 +37,6 @@ from ..stages import tone as tones
 from ..stages.driver import gains_from_curvature
 from ..stages.driver_slices import SliceDriver
 from ..stages.field import Linear, LinearExact
-from ..stages.lighting import Quantised
 from ..stages.passes import Pass
 from ..stages.transfer import Transfer
 from ..transfer import TransferFunction
@@ -45,21 +44,18 @@ from ..volume import FloatArray
 from .bounding import reaches
 from .clips import pack_clips
 from .covers import Covers
-from .directions import light_directions
-from .hits import HIT_BYTES, Hits, light_again
+from .hits import HIT_BYTES, Hits
 from .layers import check_layers, check_textures
 from .outlines import Outlines
-from .passes import WANTED, finish, rows_for_passes
-from .plan import Step
 from .resources import DrawnLayer, bound_resources, light_count, pack_uniforms, uniform_values, write_lights
 from .shown import IntArray, shown_columns
 
-BYTES_PER_PIXEL = 16
+T = TypeVar("T")
+
 SAME_STEP = 1e-6  # of a voxel
 TRILINEAR = (Linear, LinearExact)
 SKIN_VOXELS = 4.0  # of what lies behind the face of a cut and is lit as that is
 FAR = 3.4e38  # as devices hold it, where nothing is met
-MOST_ROWS = 32768  # of one band: a dispatch has at most 65535 groups of rows
 
 
 class Clock:
@@ -138,6 +134,13 @@ class MarchFrame:
         adds = getattr(self.scene_stages["driver"], "adds_lights", False) and len(self.given.lights) > 1
         return self.shows_environment or early or adds or bool(self.scene_stages["tone"].reads)
 
+    def once(self, make: Callable[..., T], *given: Hashable) -> T:
+        """Return what a function makes of the frame and of what is given beside it; it is made once."""
+        made: dict[Any, T] = self.__dict__.setdefault("_made", {})
+        if (make, given) not in made:
+            made[make, given] = make(self, *given)
+        return made[make, given]
+
     def program(self, root: str | Path, outputs: tuple[str, ...], extra: tuple[str, ...] = (), **instead: Stage) -> Program:
         """Program of a root with the frame's stages, some replaced."""
         return build_program(program_key(self, root, outputs, extra, **instead))
@@ -156,7 +159,7 @@ def program_key(
     groups = tuple(layer.field.groups(layer.context) for layer in frame.layers)
     lights = light_count(frame.scene.lights)
     several = groups if len(groups) > 1 else ()
-    switches = switches_of(frame)
+    switches = frame.once(switches_of)
     return ProgramKey(root, scene, layers, outputs, extra, switches, frame.device.traits, max(groups), lights, several)
 
 
@@ -253,7 +256,7 @@ def check_refines(frame: MarchFrame) -> None:
     StageError
         For fields that are not trilinear.
     """
-    switches = switches_of(frame)
+    switches = frame.once(switches_of)
     exact = is_exact(frame)
     for layer in frame.layers:
         if exact and (switches.surfaces_only or switches.has_crossings) and not isinstance(layer.field, TRILINEAR):
@@ -282,29 +285,6 @@ def looked_at(frame: MarchFrame) -> tuple[str, ...]:
 def late_tones(frame: MarchFrame) -> dict[str, Stage]:
     """What stands in for the tone stage where tones are mapped in a pass of their own."""
     return {"tone": tones.Linear()} if frame.tones_late else {}
-
-
-def draw_march(
-    frame: MarchFrame, draws: Callable[[MarchFrame, list[Band]], None] | None = None
-) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-    """Draw a frame, by rays unless told; returns rgba (h, w, 4), depth (h, w), and samples (h, w).
-
-    Samples are negative where the device ended the ray.
-    """
-    width, height = frame.size_px
-    most = frame.device.limits["max-storage-buffer-binding-size"]
-    with_hits = frame.keeps_hits or frame.found is not None
-    widest = max(HIT_BYTES if with_hits else BYTES_PER_PIXEL, frame.covers.bytes_per_pixel, frame.outlines.bytes_per_pixel)
-    rows = rows_for_passes(frame, min(height, max(1, most // (widest * width)), MOST_ROWS))
-    bands = [Band(frame, n, first, min(rows, height - first)) for n, first in enumerate(range(0, height, rows))]
-    lit = {"lit_directions": Prepared()} if any(isinstance(x.stages["lighting"], Quantised) for x in frame.layers) else {}
-    if frame.found is not None:
-        drawing = Step("relight", lit, WANTED, lambda: light_again(frame, bands))
-    else:
-        drawing = Step(frame.scene_stages["driver"].name, lit, WANTED, lambda: (draws or march_rays)(frame, bands))
-    return finish(
-        frame, bands, [Step("directions", {}, {"lit_directions": Prepared()}, lambda: light_directions(frame)), drawing]
-    )
 
 
 class Band:
@@ -346,10 +326,12 @@ class Band:
             self.spare[name] = self.pictures[name]
         self.pictures[name] = picture
 
-    def uniforms(self, **part: Any) -> FrameUniforms:
-        """Return the frame's own uniforms for these rows; ``part`` tells which of them a dispatch draws."""
+    def uniforms(self, tile: Tile | None = None, **told: Any) -> FrameUniforms:
+        """Return the frame's own uniforms for these rows, of which a dispatch draws a tile, if any."""
+        if tile is not None:
+            told |= {"tile_origin_px": (tile.x, tile.y), "tile_size_px": (tile.width, tile.height)}
         return FrameUniforms(
-            **part,
+            **told,
             size_px=self.frame.size_px,
             band_first_row=self.first_row,
             band_rows=self.rows,
@@ -373,16 +355,12 @@ class Band:
     def clear(self) -> None:
         """Fill it as pixels are that show nothing."""
         compute.clear(self.frame.device, self.radiance)
-        nowhere = np.tile(np.array([FAR, 0.0], dtype=np.float32), self.pixels)
-        self.frame.device.queue.write_buffer(self.depth, 0, nowhere)
+        compute.repeat(self.frame.device, np.array([FAR, 0.0], dtype=np.float32), self.pixels, self.depth)
 
     def read(self, rgba: np.ndarray[Any, Any], depth: np.ndarray[Any, Any]) -> None:
         """Read the rows back into those of an image."""
         part = slice(self.first_row, self.first_row + self.rows)
-        width = self.frame.size_px[0]
-        for source, target, channels in ((self.radiance, rgba, 4), (self.depth, depth, 2)):
-            data = self.frame.device.queue.read_buffer(source, 0, self.pixels * channels * 4)
-            target[part] = np.frombuffer(data, dtype=np.float32).reshape(self.rows, width, channels)
+        compute.read_into(self.frame.device, [(self.radiance, rgba[part]), (self.depth, depth[part])])
 
     def read_hits(self) -> np.ndarray[Any, Any]:
         """Read back what was kept at surfaces."""
@@ -396,7 +374,7 @@ def bound_groups(
     """Bind groups of a pass: what its layers look at, buffers, lights, and uniforms under a name."""
     device, program = frame.device, pipeline.program
     resources = {
-        **bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress),
+        **frame.once(views_of, program),
         **buffers,
         "uniforms": compute.write_uniforms(device, f"uniforms of {name}", data),
         "lights": write_lights(device, frame.scene.lights),
@@ -408,8 +386,13 @@ def uploaded(frame: MarchFrame, program: Program) -> dict[str, Any]:
     """Values of the uniforms of a driver's program, of which all resources are on the device then."""
     device = frame.device
     values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress)
-    bound_resources(device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress)
+    frame.once(views_of, program)
     return values | late_tones(frame)
+
+
+def views_of(frame: MarchFrame, program: Program) -> dict[str, Any]:
+    """Views and samplers of what the frame's stages let a program look at."""
+    return bound_resources(frame.device, program, frame.layers, frame.scene_resources, frame.anchor_world, frame.progress)
 
 
 def written_clips(frame: MarchFrame) -> dict[str, Any]:
@@ -444,7 +427,10 @@ def march_rays(frame: MarchFrame, bands: list[Band]) -> None:
         values = uploaded(frame, program)
     x, y = program.key.group_px
     sizes = tuple(layer.context.volume.size for layer in frame.layers)
-    pace: Pace = device.kept.get(("pace", program.key, frame.step_world, sizes), Pace)
+    step = frame.step_world / min(min(layer.context.volume.spacing) for layer in frame.layers)
+    # Small steps take long, and where they are asked for the quick pixels are done already.
+    first = max(64, int(FIRST_TILE_PIXELS * min(step, 1.0)))
+    pace: Pace = device.kept.get(("pace", program.key, frame.step_world, sizes), lambda: Pace(first))
     total = frame.size_px[0] * frame.size_px[1] if frame.chosen is None else len(frame.chosen)
     before = 0
     shown = shown_columns(frame) if frame.chosen is None else None
@@ -471,7 +457,7 @@ def march_rays(frame: MarchFrame, bands: list[Band]) -> None:
         target = device.kept.find(("buffer", "uniforms of march"))
 
         def submit(tile: Tile, band: Band = band, groups: list[Any] = groups, target: Any = target) -> None:
-            part = replace(band.uniforms(), tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
+            part = band.uniforms(tile)
             device.queue.write_buffer(target, 0, pack_uniforms(program, part, values))
             rows = device.strands * -(-tile.height // (y * device.strands))
             compute.dispatch(device, pipeline, groups, (-(-tile.width // x), rows, 1))

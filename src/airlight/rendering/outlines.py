@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -64,8 +64,7 @@ class Outlines:
         device, solid, targets = self.frame.device, self.solids[number], drawn.targets(tile)
         # No depth: nothing hides what clips.
         raster.draw(device, targets.found, targets.opaque, [])
-        part = replace(band.uniforms(), tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
-        part = replace(part, fragment_slots=self.slots)
+        part = band.uniforms(tile, fragment_slots=self.slots)
         fragments = drawn.gathered([number], tile, targets, part, self.slots)
         if fragments.most:
             what = f"is a mesh with {fragments.most} surfaces behind one pixel, and rays pass {self.slots} at most"

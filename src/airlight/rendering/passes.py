@@ -10,11 +10,9 @@ import numpy as np
 from ..errors import LimitError, StageError
 from ..gpu import compute
 from ..gpu.tiles import Pace, Tile, run_tiles, tiles
-from ..handed import COLOUR, DEPTH, DOMAINS, NUMBER, PIXEL_BYTES, SLICES, Kind, Measured, PerPixel, Prepared, Rows
+from ..handed import COLOUR, DEPTH, DOMAINS, NUMBER, PIXEL_BYTES, Kind, Measured, PerPixel, Prepared, Rows
 from ..shader.program import LuminanceUniforms, PictureUniforms, ProgramKey, Switches, build_program, stage_key
 from ..stage import Stage
-from ..stages.driver_half_angle import HalfAngle
-from ..stages.driver_slices import SliceDriver
 from ..stages.passes import OVER, WHOLE_PX, Backdrop, Pass
 from ..volume import domain_index
 from .background import put_behind
@@ -65,14 +63,8 @@ def following(frame: MarchFrame, bands: Sequence[Any]) -> list[Step]:
     seen = frame.shows_environment
     behind = [Step("background", changed, changed, lambda: put_behind(frame, bands))] if seen else []
     mapped = [Step("tone", changed | dict(tone.reads), changed, lambda: map_tones(frame, bands))] if frame.tones_late else []
-    driver, told = frame.scene_stages["driver"], {"slices": SLICES}
-    is_sliced = isinstance(driver, SliceDriver) or (isinstance(driver, HalfAngle) and frame.scene.lights)
-    if not is_sliced:
-        check_reads(frame.passes, "slices", f"the driver {driver.name!r} draws none here", 'use driver="slices"')
-    sliced = [Step("slices told", {}, told, lambda: frame.shared.update(slices=slices_of(frame)))] if is_sliced else []
     return [
         Step("domains", {}, {"domains": DOMAINS}, lambda: frame.shared.update(domains=domains_of(frame))),
-        *sliced,
         step_of(frame, bands, Backdrop(seen=float(seen))),
         *behind,
         *own["scene"],
@@ -142,7 +134,6 @@ def make_picture(frame: MarchFrame, bands: Sequence[Any], stage: Pass) -> None:
     looks_px = stage.reach_px()
     reach = WHOLE_PX if looks_px is None else looks_px
     pace: Pace = device.kept.get(("pace", key), Pace)
-    x, y = device.traits.workgroup
     made = []
     for band in bands:
         first_row, pictures = seen_from(
@@ -155,11 +146,11 @@ def make_picture(frame: MarchFrame, bands: Sequence[Any], stage: Pass) -> None:
         groups = compute.bind_groups(device, pipeline, {**views, **bound, "uniforms": target})
 
         def submit(tile: Tile, band: Any = band, groups: list[Any] = groups, target: Any = target, told: Any = told) -> None:
-            part = band.uniforms(tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
+            part = band.uniforms(tile)
             device.queue.write_buffer(target, 0, pack_uniforms(program, part, told))
-            compute.dispatch(device, pipeline, groups, (-(-tile.width // x), -(-tile.height // y), 1))
+            compute.dispatch_pixels(device, pipeline, groups, tile.width, tile.height)
 
-        parts = tiles(frame.size_px[0], band.first_row, band.rows, pace, y)
+        parts = tiles(frame.size_px[0], band.first_row, band.rows, pace, device.traits.workgroup[1])
         run_tiles(device, parts, submit, pace, frame.check, lambda _: None)
     for band, picture in zip(bands, made, strict=True):
         band.put(name, picture)
@@ -199,20 +190,6 @@ def domains_of(frame: MarchFrame) -> Any:
         rows[n] = device_from_unit.T
     # By their number: shaders ask how many there are by the length of the buffer.
     return compute.write_records(frame.device, ("domains", len(rows)), rows.reshape(-1, 4))
-
-
-def slices_of(frame: MarchFrame) -> Any:
-    """Buffer that tells the slices of a driver, those of its first light: planes, or shells round the eye without a normal."""
-    from .half_angle import casts_shadows, sweeps_of  # these draw by what stands here
-    from .sweep import planes_of
-
-    planes = planes_of(sweeps_of(frame)[0][0] if casts_shadows(frame) else frame)
-    rows = np.zeros((2, 4), dtype=np.float32)
-    if planes is None:
-        rows[1, :2] = frame.step_world, round(frame.t_offset_world / frame.step_world)
-    else:
-        rows[0, :3], rows[0, 3], rows[1, 0] = planes.normal, planes.first, planes.spacing_world
-    return compute.write_records(frame.device, "slices", rows)
 
 
 def check_reads(passes: Sequence[Pass], name: str, why: str, remedy: str) -> None:

@@ -50,6 +50,14 @@ def skin_world(frame: MarchFrame) -> float:
     return float(max(SKIN_VOXELS * voxel, SKIN_PX * (at_eye_world + per_world * depths.max(initial=0.0))))
 
 
+def depths_between(points: FloatArray, frame: MarchFrame) -> tuple[float, float]:
+    """Depths along the view between which points (n, 3) of the device's world are drawn, and what lies between them."""
+    camera: Any = frame.scene_stages["camera"]
+    depths = (points - np.asarray(camera.eye)) @ camera.basis()[2]
+    far = max(float(depths.max(initial=0.0)) * (1 + 1e-3), 1e-30)
+    return NEAR * far, far
+
+
 @dataclass(frozen=True, eq=False)
 class Fragments:
     """Triangles that a tile's pixels meet, in no order; ``most`` is the most of a pixel where there are not enough places."""
@@ -189,11 +197,10 @@ class Rasterised:
         """Run a pass over the pixels of a tile that looks at the triangles of a mesh."""
         device = self.frame.device
         pipeline = compute.pipeline_of(device, program)
-        x, y = device.traits.workgroup
         triangles = self.triangles[number]
         looked_at = {**resources, "mesh_vertices": triangles.vertices, "mesh_faces": triangles.faces}
         groups = compute.bind_groups(device, pipeline, looked_at)
-        compute.dispatch(device, pipeline, groups, (-(-tile.width // x), -(-tile.height // y), 1))
+        compute.dispatch_pixels(device, pipeline, groups, tile.width, tile.height)
 
 
 def tiles_of(frame: MarchFrame, band: Any, slots: int = 0) -> Iterator[Tile]:

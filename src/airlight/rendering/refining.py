@@ -37,7 +37,7 @@ class Refinement:
     ``reader`` is the iteration that they are for.
     """
 
-    def __init__(self, what: tuple[Scene, Request]) -> None:
+    def __init__(self, what: tuple[Scene, Request, bool]) -> None:
         self.what = what
         self.last: Image | None = None
         self.reader: object = None
@@ -65,14 +65,14 @@ class Refinement:
 
 
 def better_and_better(
-    device: Device, scene: Scene, request: Request, check: Callable[[], None], progress: Progress
+    device: Device, scene: Scene, request: Request, coarse: bool, check: Callable[[], None], progress: Progress
 ) -> Iterator[Image]:
     """Draw a scene coarsely, then finer and finer; ``stats["refined"]`` tells scale and step, the last image is the best."""
     scene = resolve(scene, request.size_px)
     check_tones(scene)
     prepared, notes = annotated(scene, request.size_px)
     first = replace(request, tolerance=None)
-    for scale, step in FIRST_PICTURES:
+    for scale, step in FIRST_PICTURES if coarse else ():
         keeps = request.keep_hits and scale == 1
         asked = replace(first, size_px=scaled(request.size_px, scale), step=step, keep_hits=keeps)
         image = noted(enlarged(draw(device, prepared, asked, check, progress), request.size_px), scene, notes)

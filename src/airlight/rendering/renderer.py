@@ -131,6 +131,7 @@ class Renderer:
         passes: Iterable[str | Stage] = (),
         progress: Progress | None = None,
         view: Hashable = None,
+        coarse: bool = True,
     ) -> Iterator[Image]:
         """Draw a scene coarsely at once, then better and better, until all pixels are within a tolerance.
 
@@ -142,6 +143,9 @@ class Renderer:
             What the images are for. A new frame of the same view, or ``close_view`` from another thread, ends the iteration
             between two tiles, which take about 25 ms each; where the same scene is refined again it goes on from its last
             image, another begins anew.
+        coarse
+            Begin with small pictures and great steps; without, for who shows such a picture already, the first image is one
+            whose error is looked for.
 
         Yields
         ------
@@ -155,15 +159,15 @@ class Renderer:
         ...         show(image)
         """
         request = _request(scene, size, driver, 1.0, skip, keep_hits, number(tolerance, "tolerance"), passes=passes)
-        return self._images(scene, request, progress, view)
+        return self._images((scene, request, coarse), progress, view)
 
-    def _images(self, scene: Scene, request: Request, progress: Progress | None, view: Hashable) -> Iterator[Image]:
+    def _images(self, what: tuple[Scene, Request, bool], progress: Progress | None, view: Hashable) -> Iterator[Image]:
         """Images of work that may have begun; each is a job of its own, so that other views are drawn in between."""
         own, reader = object() if view is None else view, object()
         with self._lock:
             work = self._refined.get(own)
-            if work is None or work.what != (scene, request):
-                work = self._refined[own] = Refinement((scene, request))
+            if work is None or work.what != what:
+                work = self._refined[own] = Refinement(what)
             work.reader = reader
 
         def next_image(job: Job[Image | None]) -> Image | None:

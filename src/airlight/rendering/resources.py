@@ -53,7 +53,9 @@ from ..stages.field import Field, needed_groups
 from ..stages.field_channels import by_group, lines_of
 from ..volume import FloatArray, domain_index
 
-GRIDS = ("grid", "loaded_grid", "stack", "loaded_stack")
+MOST_SLAB_TABLES = 32
+TEXTURES = ("table", "layers", "grid", "loaded_grid", "stack", "loaded_stack", "gradients", "labels", "openness")
+"""Kinds of bindings that resources of stages fill."""
 FULL = 0.95  # of the blocks hold something
 LIGHT_KINDS = {"head": 0, "directional": 1, "point": 2, "spot": 2}
 
@@ -176,6 +178,16 @@ def light_count(lights: tuple[Light, ...]) -> int:
     return max(1, len(lights))
 
 
+def pack_lights(lights: tuple[Light, ...]) -> bytes:
+    """Bytes of the records of lights."""
+    struct = class_struct(LightRecord, "LightRecord")
+    records = np.zeros(light_count(lights), dtype=struct.dtype)
+    for record, light in zip(records, lights, strict=False):
+        rgb = tuple(light.intensity * c for c in light.colour)
+        fill(record, struct, LightRecord(LIGHT_KINDS[light.kind], rgb, light.vector, light.radius or 0.0))  # type: ignore[arg-type]
+    return records.tobytes()
+
+
 def write_lights(device: Device, lights: tuple[Light, ...]) -> Any:
     """Uniform buffer of the lights: software devices read storage buffers lane by lane.
 
@@ -184,15 +196,11 @@ def write_lights(device: Device, lights: tuple[Light, ...]) -> Any:
     LimitError
         When they do not fit into it.
     """
-    struct = class_struct(LightRecord, "LightRecord")
-    records = np.zeros(light_count(lights), dtype=struct.dtype)
-    most = device.limits["max-uniform-buffer-binding-size"] // struct.dtype.itemsize
-    if len(records) > most:
+    packed, each = pack_lights(lights), class_struct(LightRecord, "LightRecord").dtype.itemsize
+    most = device.limits["max-uniform-buffer-binding-size"] // each
+    if len(packed) > most * each:
         raise LimitError("scene.lights", f"are {len(lights)}; {device.info.name} takes {most}")
-    for record, light in zip(records, lights, strict=False):
-        rgb = tuple(light.intensity * c for c in light.colour)
-        fill(record, struct, LightRecord(LIGHT_KINDS[light.kind], rgb, light.vector, light.radius or 0.0))  # type: ignore[arg-type]
-    return compute.write_uniforms(device, "lights", records.tobytes())
+    return compute.write_uniforms(device, "lights", packed)
 
 
 def bound_resources(
@@ -209,7 +217,7 @@ def bound_resources(
         slot, index, name = binding.owner
         if binding.kind == "sampler":
             found[binding.name] = compute.linear_sampler(device)
-        elif slot and binding.kind in ("table", "layers", *GRIDS, "gradients", "labels", "openness"):
+        elif slot and binding.kind in TEXTURES:
             resource = (scene if index is None else layers[index].resources)[slot][name]
             found[binding.name] = _view(device, resource, layers, index or 0, anchor_world, progress)
     return found
@@ -234,6 +242,8 @@ def _view(
             return device.kept.get(("table",), lambda: textures.upload_table(device, texels), texels).create_view()
         case SlabTable():
             slabs = device.kept.get(("slab table", resource), lambda: slab_tables.make_slab_table(device, resource))
+            # Each place of a control point that is dragged has made some, and nobody comes back to them.
+            device.kept.keep_newest("slab table", MOST_SLAB_TABLES)
             return slabs.create_view(dimension="2d-array")
         case LabelCells():
             return label_texture(device, resource, progress).texture.create_view()

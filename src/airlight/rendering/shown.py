@@ -61,39 +61,42 @@ def shown_columns(frame: MarchFrame) -> Columns | None:
         return None
     corners_px = [on_image(camera, corners_world(frame, layer), frame.size_px) for layer in frame.layers]  # type: ignore[arg-type]
     seen = [corners for corners in corners_px if corners is not None]
-    return columns_of(np.concatenate(seen), frame.size_px) if len(seen) == len(corners_px) else None
+    return columns_of(np.concatenate(seen, axis=1), frame.size_px) if len(seen) == len(corners_px) else None
 
 
 def corners_world(frame: MarchFrame, layer: DrawnLayer) -> FloatArray:
-    """Corners (n, 8, 3) of the groups of blocks in which there is something."""
-    leaps = layer_leaps(frame.device, layer)
-    volume = layer.context.volume
-    offsets = np.array(list(product((0.0, leaps.group_voxels), repeat=3)))
-    corners = leaps.groups[:, None, :] * float(leaps.group_voxels) + offsets
-    # Outer blocks go on to where the domain ends, which may be half a voxel further.
-    low, high = domain_index(volume.size, layer.field.cells)
-    corners = np.where(corners <= 0, low, np.where(corners >= np.array(volume.size) - 1.0, high, corners))
-    return np.asarray(corners @ volume.world_from_index[:3, :3].T + volume.world_from_index[:3, 3])
+    """Corners (8, n, 3) of the groups of blocks in which there is something, kept for the next frame."""
+    leaps, volume, cells = layer_leaps(frame.device, layer), layer.context.volume, layer.field.cells
+
+    def make() -> FloatArray:
+        offsets = np.array(list(product((0.0, leaps.group_voxels), repeat=3)))
+        corners = leaps.groups * float(leaps.group_voxels) + offsets[:, None, :]
+        # Outer blocks go on to where the domain ends, which may be half a voxel further.
+        low, high = domain_index(volume.size, cells)
+        corners = np.where(corners <= 0, low, np.where(corners >= np.array(volume.size) - 1.0, high, corners))
+        return np.asarray(corners @ volume.world_from_index[:3, :3].T + volume.world_from_index[:3, 3])
+
+    found: FloatArray = frame.device.kept.get(("corners of blocks", cells), make, leaps, volume)
+    return found
 
 
 def on_image(camera: Perspective | Orthographic, p_world: FloatArray, size_px: tuple[int, int]) -> FloatArray | None:
     """Places (..., 2) of points (..., 3) on the image [px]; None where one is beside or behind the eye of a perspective."""
     width, height = size_px
-    right, up, forward = camera.basis()
     away = p_world - np.asarray(camera.eye)
-    depth = away @ forward
-    half_height = camera.half_height * (depth if isinstance(camera, Perspective) else np.ones_like(depth))
-    if depth.size and isinstance(camera, Perspective) and depth.min() <= 1e-3 * np.abs(away).max():
+    aside, above, depth = np.stack(camera.basis()) @ away.reshape(-1, 3).T
+    is_perspective = isinstance(camera, Perspective)
+    if depth.size and is_perspective and depth.min() <= 1e-3 * np.abs(away).max():
         return None
-    aside, above = away @ right / half_height * height / width, away @ up / half_height
-    return np.stack([(1 + aside) / 2 * width, (1 - above) / 2 * height], axis=-1)
+    scale = height / 2 / camera.half_height / (depth if is_perspective else 1.0)
+    return np.stack([width / 2 + scale * aside, height / 2 - scale * above], axis=-1).reshape(*p_world.shape[:-1], 2)
 
 
 def columns_of(corners_px: FloatArray, size_px: tuple[int, int]) -> Columns:
-    """Return the columns that enclose, row by row, the rectangles round groups of corners (n, k, 2)."""
+    """Return the columns that enclose, row by row, the rectangles round groups of corners (k, n, 2)."""
     width, height = size_px
-    low = np.clip(np.floor(corners_px.min(axis=1) - ROUNDING_PX), 0, size_px).astype(np.int64)
-    high = np.clip(np.ceil(corners_px.max(axis=1) + ROUNDING_PX), 0, size_px).astype(np.int64)
+    low = np.clip(np.floor(corners_px.min(axis=0) - ROUNDING_PX), 0, size_px).astype(np.int64)
+    high = np.clip(np.ceil(corners_px.max(axis=0) + ROUNDING_PX), 0, size_px).astype(np.int64)
     counts = np.maximum(high[:, 1] - low[:, 1], 0)
     box = np.repeat(np.arange(len(low)), counts)
     row = np.arange(len(box)) - np.repeat(np.cumsum(counts) - counts, counts) + low[box, 1]

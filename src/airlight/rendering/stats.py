@@ -104,8 +104,8 @@ def frame_statistics(frame: MarchFrame, step: float) -> dict[str, Any]:
         "step": step,
         "offsets": getattr(frame.scene_stages["driver"], "offsets", "none"),
         "step_world": frame.step_world,
-        "curved": switches_of(frame).curved,
-        "adaptive": switches_of(frame).adaptive,
+        "curved": frame.once(switches_of).curved,
+        "adaptive": frame.once(switches_of).adaptive,
         "skip": skip_statistics(frame),
         "layers": layers,
         "tables": {
@@ -125,7 +125,7 @@ def disagreement_statistics(frame: MarchFrame, rgba: npt.NDArray[np.float32]) ->
 
 def skip_statistics(frame: MarchFrame) -> dict[str, str]:
     """Whether blocks are passed over, and why not where it was asked for."""
-    switches = switches_of(frame)
+    switches = frame.once(switches_of)
     if switches.skips_blocks or switches.looks_for_extremes:
         return {"asked": frame.skip, "done": "geometry" if frame.skip == "geometry" else "blocks"}
     if frame.skip == "none":

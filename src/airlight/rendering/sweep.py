@@ -12,16 +12,16 @@ import numpy as np
 from ..errors import LimitError, StageError, ValueRangeError
 from ..gpu import compute, raster
 from ..gpu.tiles import Pace, Tile
-from ..scene import Layer
+from ..scene import Layer, Scene
 from ..shader.layout import size_in
 from ..shader.program import GroupUniforms, PlaneUniforms, Program
-from ..stage import Context, Stage
+from ..stage import Stage
 from ..stages.camera import Camera, Orthographic, Perspective
 from ..stages.driver_slices import Planes, SliceDriver
 from ..stages.view_rays import least_cosine
 from ..stages.visibility import NoOcclusion
 from ..volume import FloatArray, domain_index
-from .layers import check_layers, check_textures
+from .layers import check_layers, check_textures, context_of
 from .march import (
     Band,
     MarchFrame,
@@ -37,7 +37,7 @@ from .march import (
 from .proxies.pieces import Pieces, pieces_of
 from .proxies.polyhedra import Polyhedron, box, inflated
 from .proxies.shells import shell_pieces
-from .rasterised import NEAR, skin_world, tiles_of
+from .rasterised import depths_between, skin_world, tiles_of
 from .resources import pack_uniforms
 from .shown import corners_world
 
@@ -57,11 +57,6 @@ class Numbers:
     def groups(self) -> tuple[tuple[int, int], ...]:
         """First and last sample of each group, away from the eye."""
         return tuple((k, min(k + self.group, self.last)) for k in range(self.first, self.last, self.group))
-
-
-def sweeps(frame: MarchFrame) -> bool:
-    """Whether a frame is drawn slice by slice."""
-    return isinstance(frame.scene_stages["driver"], SliceDriver)
 
 
 def check_sweep(frame: MarchFrame) -> None:
@@ -104,7 +99,7 @@ def planes_of(frame: MarchFrame) -> Planes | None:
     return planes.seen_from(frame.anchor_world).numbered_from(_corners(frame))
 
 
-def longest_slab(driver: Stage, layers: Sequence[Layer], camera: Any, size_px: tuple[int, int], step_world: float) -> float:
+def longest_slab(driver: Stage, layers: Sequence[Layer], scene: Scene, size_px: tuple[int, int], step_world: float) -> float:
     """Length of the longest slab of a frame [world]: rays that pass slices askew have longer ones.
 
     Raises
@@ -114,13 +109,11 @@ def longest_slab(driver: Stage, layers: Sequence[Layer], camera: Any, size_px: t
     ValueRangeError
         When rays of the image do not all pass the slices in one direction.
     """
-    if not isinstance(driver, SliceDriver):
-        return step_world
+    assert isinstance(driver, SliceDriver)
+    camera: Any = scene.camera
     if not isinstance(camera, (Perspective, Orthographic)):
         raise StageError(f"driver {driver.name!r}", f"draws no {camera.name} images", 'use driver="march"')
-    layer = layers[0]
-    context = Context(layer.volume, layer.function, layer.channels, layer.time, step_world, size_px, layer.labels)
-    planes = driver.planes(camera, context)
+    planes = driver.planes(camera, context_of(layers[0], step_world, size_px))
     corners = np.concatenate([one.volume.corners_world(cells=True) for one in layers])
     return step_world if planes is None else planes.spacing_world / cosine_of(planes, camera, size_px, driver, corners)
 
@@ -145,9 +138,9 @@ def cosine_of(
     return least
 
 
-def numbers_of(frame: MarchFrame, planes: Planes | None) -> Numbers:
+def numbers_of(frame: MarchFrame) -> Numbers:
     """Samples between which the domain lies."""
-    driver = frame.scene_stages["driver"]
+    driver, planes = frame.scene_stages["driver"], frame.once(planes_of)
     assert isinstance(driver, SliceDriver)
     corners = _corners(frame)
     if planes is not None:
@@ -244,13 +237,13 @@ class Beside(Protocol):
         ...
 
 
-def sweep_program(frame: MarchFrame, planes: Planes | None, beside: Beside | None = None) -> Program:
+def sweep_program(frame: MarchFrame, beside: Beside | None = None) -> Program:
     """Program of the passes over groups."""
     check_sweep(frame)
     check_refines(frame)
     check_layers(frame)
     outputs = ("unfinished", *looked_at(frame), *(beside.outputs if beside else ()))
-    extra = ("group", *_planar(planes), *(beside.extra if beside else ()))
+    extra = ("group", *_planar(frame.once(planes_of)), *(beside.extra if beside else ()))
     program = frame.program(frame.scene_stages["driver"].wgsl, outputs, extra, **late_tones(frame))
     check_textures(frame, program)
     return program
@@ -265,8 +258,8 @@ def draw_groups(frame: MarchFrame, bands: Sequence[Band], beside: Beside | None 
     """Draw all groups of slices of bands of rows, and finish their pixels."""
     device = frame.device
     with frame.clock("link and compile"):
-        planes = planes_of(frame)
-        program = sweep_program(frame, planes, beside)
+        planes = frame.once(planes_of)
+        program = sweep_program(frame, beside)
         pipeline = raster.sweep_pipeline(device, program)
         # Nothing is lit any more: what goes on beside is not asked.
         instead = late_tones(frame) | ({} if beside is None else {"visibility": NoOcclusion()})
@@ -274,7 +267,7 @@ def draw_groups(frame: MarchFrame, bands: Sequence[Band], beside: Beside | None 
         finish = frame.program("passes/finished.wgsl", outputs, _planar(planes), **instead)
         bytes_per_pixel = size_in(program.linked.text, "Unfinished")
     with frame.clock("proxies"):
-        numbers = numbers_of(frame, planes)
+        numbers = frame.once(numbers_of)
         pieces = pieces_in(frame, planes, numbers)
         order = list(enumerate(numbers.groups))
         order = order[::-1] if frame.scene_stages["driver"].back_to_front else order  # type: ignore[attr-defined]
@@ -297,7 +290,7 @@ def draw_groups(frame: MarchFrame, bands: Sequence[Band], beside: Beside | None 
             size = tile.width * tile.height * bytes_per_pixel
             state = compute.storage_buffer(device, "unfinished", size)
             raster.clear_buffer(device, state, size)
-            part = replace(band.uniforms(), tile_origin_px=(tile.x, tile.y), tile_size_px=(tile.width, tile.height))
+            part = band.uniforms(tile)
             some = values | {"group": GroupUniforms(0.0, 1.0, near, far)}
             found = {} if beside is None else beside.looked_at()
             data = pack_uniforms(program, part, some)
@@ -326,10 +319,8 @@ def draw_groups(frame: MarchFrame, bands: Sequence[Band], beside: Beside | None 
 def slice_statistics(frame: MarchFrame) -> dict[str, Any]:
     """What ``image.stats`` says of slices: how many there are, how far apart, in how many groups, and in which order."""
     driver = frame.scene_stages["driver"]
-    if not isinstance(driver, SliceDriver):
-        return {}
-    planes = planes_of(frame)
-    numbers = numbers_of(frame, planes)
+    assert isinstance(driver, SliceDriver)
+    planes, numbers = frame.once(planes_of), frame.once(numbers_of)
     spacing = frame.step_world if planes is None else planes.spacing_world
     order = "back to front" if driver.back_to_front else "front to back"
     if driver.back_to_front and hasattr(frame.scene_stages["integrate"], "opaque_at"):
@@ -343,13 +334,4 @@ def _finish(frame: MarchFrame, program: Program, band: Band, tile: Tile, resourc
     pipeline = compute.pipeline_of(device, program)
     looked_at = resources | {"radiance": band.radiance, "depth": band.depth}
     groups = bound_groups(frame, pipeline, looked_at, "finished", data)
-    x, y = device.traits.workgroup
-    compute.dispatch(device, pipeline, groups, (-(-tile.width // x), -(-tile.height // y), 1))
-
-
-def depths_between(points: FloatArray, frame: MarchFrame) -> tuple[float, float]:
-    """Depths along the view between which points (n, 3) of the device's world are drawn, and what lies between them."""
-    camera: Any = frame.scene_stages["camera"]
-    depths = (points - np.asarray(camera.eye)) @ camera.basis()[2]
-    far = max(float(depths.max(initial=0.0)) * (1 + 1e-3), 1e-30)
-    return NEAR * far, far
+    compute.dispatch_pixels(device, pipeline, groups, tile.width, tile.height)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..gpu import compute, gradients
+from ..gpu.tiles import Tile
 from ..shader.program import (
     LUMINANCE_SUMS,
     SURROUND_STEPS,
@@ -57,7 +57,7 @@ def measure_luminance(frame: MarchFrame, bands: Sequence[Any]) -> None:
 def measure_surround(frame: MarchFrame, bands: Sequence[Any]) -> None:
     """Average luminance round pixels: sums over cells of all bands, and the texture that is made of them."""
     device, told = frame.device, surround_of(frame)
-    (columns, rows), (x, y) = told.cells, device.traits.workgroup
+    columns, rows = told.cells
     sums = compute.storage_buffer(device, "surround sums", columns * rows * SURROUND_STEPS * 8)
     compute.clear(device, sums)
     program = _program(frame, "surround_sums", ("radiance", "surround_sums"), ("surround",))
@@ -65,14 +65,14 @@ def measure_surround(frame: MarchFrame, bands: Sequence[Any]) -> None:
         most = band.rows if told.cell_px**2 <= MOST_TURNS else max(1, MOST_TURNS // told.cell_px)
         for first in range(band.first_row, band.first_row + band.rows, most):
             height = min(most, band.first_row + band.rows - first)
-            part = replace(band.uniforms(), tile_origin_px=(0, first), tile_size_px=(frame.size_px[0], height))
-            counts = (-(-columns // x), -(-(height // told.cell_px + 2) // y), 1)
+            part = band.uniforms(Tile(0, first, frame.size_px[0], height))
+            counts = compute.workgroups(device, columns, height // told.cell_px + 2)
             _run(frame, program, {"radiance": band.radiance, "surround_sums": sums}, part, {"surround": told}, counts)
     program = _program(frame, "surround", ("surround_sums", "surround_out"), ("surround",))
     size = (columns, rows, SURROUND_STEPS)
     texture = device.kept.get(("surround", size), lambda: gradients.written_texture(device, size, "rg32float"))
     bound = {"surround_sums": sums, "surround_out": texture.create_view()}
-    _run(frame, program, bound, bands[0].uniforms(), {"surround": told}, (-(-columns // x), -(-rows // y), SURROUND_STEPS))
+    _run(frame, program, bound, bands[0].uniforms(), {"surround": told}, compute.workgroups(device, *size))
     frame.shared["surround"] = texture
 
 
@@ -100,9 +100,8 @@ def map_tones(frame: MarchFrame, bands: Sequence[Any]) -> None:
     if has_surround:
         values["surround"] = surround_of(frame)
         bound |= {"surround": frame.shared["surround"].create_view(), "surround_sampler": compute.linear_sampler(device)}
-    x, y = device.traits.workgroup
     for band in bands:
-        counts = (-(-frame.size_px[0] // x), -(-band.rows // y), 1)
+        counts = compute.workgroups(device, frame.size_px[0], band.rows)
         _run(frame, program, {**bound, "radiance": band.radiance}, band.uniforms(), values, counts)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -74,7 +74,7 @@ class Struct:
             lines.append(f"  {align}{m.name}: {m.type},  // {unit}offset {m.offset}")
         return "\n".join([*lines, "}"])
 
-    @property
+    @cached_property
     def dtype(self) -> np.dtype[Any]:
         """NumPy dtype with the same places."""
         formats: list[Any] = []

@@ -10,7 +10,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -393,9 +393,9 @@ class Binding:
         return f"@group({self.group}) @binding({self.index}) var{space} {self.name}: {self.type};"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Program:
-    """A linked text with its uniform struct and bindings."""
+    """A linked text with its uniform struct and bindings; there is one for a key."""
 
     linked: Linked
     uniforms: Struct
@@ -467,6 +467,14 @@ class ProgramKey:
     groups_of_layers: tuple[int, ...] = ()  # of each, where there are several
     reads: tuple[tuple[str, str], ...] = ()  # lists that a pass over pictures reads, with the type of what they hold
     written: str = ""  # type of what it makes of a pixel
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash(tuple(getattr(self, one.name) for one in dataclasses.fields(self)))
+
+    def __hash__(self) -> int:
+        """Return the hash of all fields, found once: keys are asked for it many times a frame."""
+        return self._hash
 
     @property
     def group_px(self) -> tuple[int, int]:

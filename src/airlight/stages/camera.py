@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -84,10 +85,14 @@ class Camera(Stage):
         self.basis()
 
     def basis(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return unit vectors to the right, up and forward, float64."""
+        """Return unit vectors to the right, up and forward, float64, not to be written."""
+        return self._basis
+
+    @cached_property
+    def _basis(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         eye, target, up = (np.asarray(v, dtype=np.float64) for v in (self.eye, self.target, self.up))
         forward = target - eye
-        right = np.cross(forward, up)
+        right = _cross(forward, up)
         if np.linalg.norm(right) <= 1e-9 * float(np.linalg.norm(forward) * np.linalg.norm(up)):
             raise ValueRangeError(
                 f"camera.{self.name}",
@@ -96,7 +101,10 @@ class Camera(Stage):
             )
         forward /= np.linalg.norm(forward)
         right /= np.linalg.norm(right)
-        return right, np.cross(right, forward), forward
+        found = right, _cross(right, forward), forward
+        for vector in found:
+            vector.setflags(write=False)
+        return found
 
     def ray(self, p_px: tuple[float, float], size_px: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
         """Return where the ray of a point of the image begins, and its direction, both (3,) in the world.
@@ -120,6 +128,12 @@ class Camera(Stage):
         """
         remedy = "give its class a method pixel_width(size_px), or use the field linear"
         raise StageError(f"camera {self.name!r}", "does not tell how wide its pixels are", remedy)
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Cross product of two vectors; NumPy's, for arrays of them, takes ten times as long."""
+    (ax, ay, az), (bx, by, bz) = a, b
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
 def _on_image(camera: Camera, half_height: float, p_px: tuple[float, float], size_px: tuple[int, int]) -> FloatArray:

@@ -20,6 +20,7 @@ BINS = 256  # a multiple of GRID, so that only control points lie inside a bin
 MOST_EVEN = 2048
 ROWS_PER_CELL = 5
 ROW_WIDTH = 64
+QUARTERS = np.array([[0.25], [0.75]])
 
 
 def value_axis(function: TransferFunction) -> tuple[float, float]:
@@ -91,7 +92,7 @@ def cells_of(function: TransferFunction) -> Cells:
 def cut_at(function: TransferFunction, borders: FloatArray) -> Cells:
     """Cut a function at increasing values, all control points among them."""
     # What holds just inside of a border is found a quarter into the cell, where no step is.
-    near, far = (np.concatenate(_medium(function, borders[:-1] + q * np.diff(borders)), axis=-1) for q in (0.25, 0.75))
+    near, far = np.concatenate(_medium(function, borders[:-1] + QUARTERS * np.diff(borders)), axis=-1)
     low, high = np.maximum(1.5 * near - 0.5 * far, 0.0), np.maximum(1.5 * far - 0.5 * near, 0.0)
     width = np.diff(borders) / (borders[-1] - borders[0])
     steps = np.concatenate([_mean_source(low, high, function.associated), (low[:, 3:] + high[:, 3:]) / 2], axis=1)
@@ -101,7 +102,7 @@ def cut_at(function: TransferFunction, borders: FloatArray) -> Cells:
 
 def _medium(function: TransferFunction, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     rgb, extinction = function(values)
-    return rgb, extinction[:, None]
+    return rgb, extinction[..., None]
 
 
 def _mean_source(low: FloatArray, high: FloatArray, associated: bool) -> FloatArray:

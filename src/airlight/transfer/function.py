@@ -65,6 +65,14 @@ class TransferFunction(saving.Kept):
         object.__setattr__(self, "surfaces", checked_surfaces(surfaces))
 
     @cached_property
+    def _hash(self) -> int:
+        return hash((self.associated, self.points, self.surfaces))
+
+    def __hash__(self) -> int:
+        """Return the hash of the content, found once: many things are kept by function."""
+        return self._hash
+
+    @cached_property
     def values(self) -> FloatArray:
         """Values (n,) of the control points."""
         return _read_only(np.array([p[0] for p in self.points]))

@@ -32,7 +32,7 @@ LEAST_MOVE = 1e-3
 ACCURATE = 1 / 512
 ROWS_PER_ENTRY = 3
 ROWS_PER_PIECE = 3
-MOST_AT_ONCE = 1 << 18
+MOST_AT_ONCE = 1 << 15
 MOST_POINTS = 12
 SHORTER = (0.75, 0.5, 0.25)
 FAR = np.array([(0, 0.5), (0, 1), (0.5, 0), (0.5, 1), (1, 0), (1, 0.5)])
@@ -188,16 +188,15 @@ class _Parts:
     def light(self, slabs: int, length: float, associated: bool) -> tuple[FloatArray, FloatArray]:
         """Light of the slabs, and its first moment."""
         rise, run = self.far - self.near, length * self.share
-        light = np.zeros((len(run), 8))
-        for x, weight in zip(*RULE, strict=True):
-            medium = self.near + rise * x
-            seen = np.exp(-np.minimum(self.before + run * x * (self.near[:, 3] + rise[:, 3] * (x / 2)), 700.0))
-            sent = medium * (weight * run * seen)[:, None]
-            if not associated:
-                sent[:, :3] *= medium[:, 3:]
-            light[:, :4] += sent
-            light[:, 4:] += sent * (self.at + self.share * x)[:, None]
-        summed: FloatArray = np.stack([np.bincount(self.slab, one, slabs).astype(np.float64) for one in light.T], axis=1)
+        x, weight = (each[:, None] for each in RULE)
+        seen = np.exp(-np.minimum(self.before + run * x * (self.near[:, 3] + rise[:, 3] * (x / 2)), 700.0))
+        medium = self.near + rise * x[..., None]
+        sent = medium * (weight * run * seen)[..., None]
+        if not associated:
+            sent[..., :3] *= medium[..., 3:]
+        light, moment = sent.sum(axis=0), (sent * (self.at + self.share * x)[..., None]).sum(axis=0)
+        rows = [np.bincount(self.slab, one, slabs).astype(np.float64) for one in (*light.T, *moment.T)]
+        summed: FloatArray = np.stack(rows, axis=1)
         return summed[:, :4], summed[:, 4:]
 
 
@@ -225,8 +224,11 @@ def colour_error(
     low = np.minimum(pairs.astype(np.int64), entries - 2)
     corners = low[:, None] + np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
     kept, which = np.unique(corners[..., 0] * entries + corners[..., 1], return_inverse=True)
-    ends = first + step * np.stack(np.divmod(kept, entries))
-    light, moment, mean = _light_and_mean(function, ends[0], ends[1], length)
+    ends = first + step * np.concatenate([np.stack(np.divmod(kept, entries)), pairs.T], axis=1)
+    seen, count = _light_and_mean(function, ends[0], ends[1], length), len(kept)
+    told = {1.0: tuple(each[count:] for each in seen)}
+    told |= {p: _light_and_mean(function, ends[0, count:], ends[1, count:], p * length) for p in parts if p < 1}
+    light, moment, mean = (each[:count] for each in seen)
     move = _move(mean, length)
     shift = (light[:, :3] / _weight(mean, length) - mean[:, :3]) / move
     shift[kept // entries == kept % entries] = 0.0
@@ -235,20 +237,19 @@ def colour_error(
     w = pairs - low
     share = np.stack([(1 - w[:, 0]) * (1 - w[:, 1]), (1 - w[:, 0]) * w[:, 1], w[:, 0] * (1 - w[:, 1]), w[:, 0] * w[:, 1]])
     shift, back = (np.einsum("ck,kcr->kr", share, texels[which.reshape(-1, 4)]) for texels in (shift, back))
-    return max(_read_error(function, length, first + step * pairs.T, part * length, shift, back, weighted) for part in parts)
+    return max(_read_error(length, part * length, told[part], shift, back, weighted) for part in parts)
 
 
 def _read_error(
-    function: TransferFunction,
     length: float,
-    ends: FloatArray,
     read_length: float,
+    told: tuple[FloatArray, ...],
     shift: FloatArray,
     back: FloatArray,
     weighted: bool,
 ) -> float:
-    """Greatest error of slabs between values (2, n), with what was read of them from the table of another length."""
-    light, moment, mean = _light_and_mean(function, ends[0], ends[1], read_length)
+    """Greatest error of slabs with this light, moment and mean, by what was read of them from the table of another length."""
+    light, moment, mean = told
     move = _move(mean, read_length)
     drawn = np.clip((mean[:, :3] + shift * move) * _weight(mean, read_length), 0.0, mean[:, :3] * read_length)
     off = [drawn - light[:, :3]]

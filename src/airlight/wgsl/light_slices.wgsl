@@ -3,7 +3,6 @@
 // turn hold all of the light at the last plane. Planes are written where light has changed: most rays are as bright as they began,
 // or dark.
 
-import generated::frame::frame;
 import generated::group::params as group;
 import generated::pass::{light_before, light_planes_out};
 import package::met::Met;

@@ -6,7 +6,7 @@ import package::front::{Front, next_slab};
 import package::kept::Kept;
 import package::met::Met;
 import package::pieces::{begin_of, end_of, next_kept, take_covers};
-import package::sample::{Sample, Slab};
+import package::sample::Slab;
 import package::walk::{Line, border_behind, fetch, holds_layer, sample_of};
 import slot::clips::HAS_CLIPS;
 import slot::crossings::take_crossings;

@@ -7,7 +7,6 @@ import generated::pass::unfinished;
 import generated::sizes::{FILLS, SKIPS_BLOCKS};
 import package::met::Met;
 import package::on_tile::on_tile;
-import package::ray::INFINITE;
 import package::slabs::march_part;
 import package::unfinished::Unfinished;
 import package::walk::{line_of, next_block, place_of};

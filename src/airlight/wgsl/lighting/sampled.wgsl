@@ -6,7 +6,7 @@ import package::ray::Ray;
 import package::sample::{Sample, Slab};
 import package::lighting::at_share::lit_at;
 import slot::field::{locate, field_value};
-import slot::values::{mix_values, scalar_of};
+import slot::values::scalar_of;
 
 fn light_slab(front: Sample, back: Sample, slab: Slab, ray: Ray) -> vec3f {
   if (AT != 0u) { return lit_at(front, back, select(0.0, 0.5, AT == 1u), slab, ray); }

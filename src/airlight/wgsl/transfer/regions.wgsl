@@ -4,7 +4,7 @@ import generated::transfer::{params, ASSOCIATED};
 import package::sample::{Sample, Medium};
 import package::transfer::axes::axis_of;
 import package::transfer::cells::{function_count, medium_on, source_of};
-import slot::region::{Shares, shares_at};
+import slot::region::shares_at;
 
 fn region_medium(here: Sample) -> Medium {
   let shares = shares_at(here.p_index);
