@@ -9,14 +9,35 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import airlight as al
+
 ROOT = Path(__file__).parent.parent
 
 
+class Lent:
+    """The renderer of all tests, which knows their programs already, in the place of a benchmark's own."""
+
+    def __init__(self, renderer: al.Renderer) -> None:
+        self.renderer = renderer
+
+    def __enter__(self) -> al.Renderer:
+        return self.renderer
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+
 @pytest.fixture
-def benchmark_named(monkeypatch):
+def fresh_benchmark(monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
     monkeypatch.setenv("PYTHONPATH", str(ROOT / "src"))
     return importlib.import_module
+
+
+@pytest.fixture
+def benchmark_named(fresh_benchmark, monkeypatch, renderer):
+    monkeypatch.setattr(al, "Renderer", lambda *_, **__: Lent(renderer))
+    return fresh_benchmark
 
 
 def run(module, path) -> dict:
@@ -171,8 +192,8 @@ def test_proxies(benchmark_named, tmp_path):
     assert made["slices"] == made["slices by plain clipping"]
 
 
-def test_slices(benchmark_named, tmp_path):
-    found = run(benchmark_named("slices"), tmp_path / "out.json")
+def test_slices(fresh_benchmark, tmp_path):
+    found = run(fresh_benchmark("slices"), tmp_path / "out.json")
     drivers = {row["driver"]: row for row in found["drivers"]}
     assert all(row["rmse x255"] < 1 for row in drivers.values())
     assert drivers["object_slices"]["Msamples"] < drivers["interpolated_slices"]["Msamples"]
@@ -181,3 +202,12 @@ def test_slices(benchmark_named, tmp_path):
     oblique = next(row for row in found["turning"] if row["degrees"] == 44.9)
     assert oblique["not corrected: opacity"] < 0.9 < oblique["corrected: opacity"]
     assert oblique["corrected: change x255"] > 2 * oblique["stripes: change x255"]
+
+
+def test_viewer(benchmark_named, tmp_path):
+    bars = {bar["what"]: bar["found"] for bar in run(benchmark_named("viewer"), tmp_path / "out.json")["bars"]}
+    assert bars["errors"] == bars["four clients: errors"] == 0
+    assert bars["four clients: came back to their state, of 3"] == 3
+    assert bars["dragging: least scale"] >= 0.5
+    assert bars["dragging: greatest step [voxels]"] <= 2
+    assert bars["dragging: PSNR of a moving picture, least [dB]"] > 20

@@ -238,7 +238,7 @@ scenes = st.builds(
 # -- round trips
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(scene=scenes)
 def test_scenes_load_back_equal(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> None:
     path = tmp_path_factory.getbasetemp() / "scene.toml"

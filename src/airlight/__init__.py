@@ -49,14 +49,17 @@ from .transfer import Channel, Channels, JointFunction, Surface, TransferFunctio
 from .volume import Volume, statistics
 
 if TYPE_CHECKING:
-    from . import automatic, joint, reference, samples
+    from . import automatic, joint, movies, reference, samples
     from .io import open, save
+    from .movies import movie
+    from .pages import export
     from .picking import Picked, pick
     from .profiles import RayProfile, ray_profile
     from .rendering.image import Image
     from .rendering.renderer import Renderer
     from .scene_file import load_scene, save_scene
     from .transfer import presets
+    from .viewer.showing import view
 
 __version__ = "0.1.0.dev0"
 
@@ -114,6 +117,7 @@ __all__ = [
     "driver",
     "edit",
     "explain",
+    "export",
     "field",
     "first_picture",
     "fit_camera",
@@ -123,6 +127,8 @@ __all__ = [
     "lighting",
     "load_scene",
     "modulation",
+    "movie",
+    "movies",
     "open",
     "param",
     "passes",
@@ -142,6 +148,7 @@ __all__ = [
     "tone",
     "transfer",
     "transport",
+    "view",
     "visibility",
     "warm_up",
 ]
@@ -153,7 +160,10 @@ _LAZY = {
     "RayProfile": ("airlight.profiles", "RayProfile"),
     "Renderer": ("airlight.rendering.renderer", "Renderer"),
     "automatic": ("airlight.automatic", ""),
+    "export": ("airlight.pages", "export"),
     "joint": ("airlight.joint", ""),
+    "movie": ("airlight.movies", "movie"),
+    "movies": ("airlight.movies", ""),
     "open": ("airlight.io", "open"),
     "pick": ("airlight.picking", "pick"),
     "save": ("airlight.io", "save"),
@@ -163,6 +173,7 @@ _LAZY = {
     "reference": ("airlight.reference", ""),
     "samples": ("airlight.samples", ""),
     "save_scene": ("airlight.scene_file", "save_scene"),
+    "view": ("airlight.viewer.showing", "view"),
 }
 
 

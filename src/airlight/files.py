@@ -62,7 +62,7 @@ def write_text(path: Path, text: str) -> None:
         When it cannot be written.
     """
     with written(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
 def write_table(path: Path, data: dict[str, Any], title: str = "") -> None:

@@ -12,10 +12,11 @@ import pytest
 from hypothesis import given
 
 import airlight as al
+from airlight.scene_file.held import FilesByToken, Held
 from airlight.viewer.document import Document
 from airlight.viewer.edits import applied
 from airlight.viewer.history import MOST_STEPS, History
-from airlight.viewer.wire import Held
+from airlight.viewer.wire import plain_document, read_document
 
 
 def ball(size: int = 8, **given: Any) -> al.Volume:
@@ -33,9 +34,9 @@ def document(**given: Any) -> Document:
 
 
 def test_plain_data_come_back_equal() -> None:
-    held, first = Held(), document()
-    plain = json.loads(json.dumps(held.plain(first), allow_nan=False))
-    again = held.document(plain)
+    held, first = Held(FilesByToken()), document()
+    plain = json.loads(json.dumps(plain_document(first, held), allow_nan=False))
+    again = read_document(plain, held)
     assert again == first
     assert again.scene.layers[0].volume is first.scene.layers[0].volume
 
@@ -44,8 +45,9 @@ def test_plain_data_name_no_file(tmp_path: Any) -> None:
     secret = tmp_path / "Jane Doe" / "head.nrrd"
     secret.parent.mkdir()
     al.save(ball(), secret)
-    held = Held()
-    plain = held.plain(document(layers=[al.Layer(al.open(secret), al.TransferFunction([(0, "black", 0), (1, "white", 2)]))]))
+    held = Held(FilesByToken())
+    layer = al.Layer(al.open(secret), al.TransferFunction([(0, "black", 0), (1, "white", 2)]))
+    plain = plain_document(document(layers=[layer]), held)
     assert "Jane" not in json.dumps(plain)
     assert plain["scene"]["layers"][0]["volume"] == "v0"
 
@@ -67,19 +69,30 @@ def test_plain_data_name_no_file(tmp_path: Any) -> None:
     ],
 )
 def test_wrong_edits_say_what_is_wrong(path: list[Any], value: Any, named: str) -> None:
-    held = Held()
-    plain = applied(held.plain(document()), [{"op": "set", "path": path, "value": value}])
+    held = Held(FilesByToken())
+    plain = applied(plain_document(document(), held), [{"op": "set", "path": path, "value": value}])
     with pytest.raises(al.AirlightError, match=named):
-        held.document(plain)
+        read_document(plain, held)
 
 
 def test_edits_of_meshes_keep_their_id() -> None:
-    held, first = Held(), document()
+    held, first = Held(FilesByToken()), document()
     for opacity in (0.25, 0.5):
         path = ["scene", "meshes", 0, "opacity"]
-        again = held.document(applied(held.plain(first), [{"op": "set", "path": path, "value": opacity}]))
+        again = read_document(applied(plain_document(first, held), [{"op": "set", "path": path, "value": opacity}]), held)
         assert again.scene.meshes[0].opacity == opacity
-        assert held.plain(again)["scene"]["meshes"][0]["held"] == "m0"
+        assert plain_document(again, held)["scene"]["meshes"][0]["held"] == "m0"
+
+
+def test_what_an_edit_leaves_is_the_very_same() -> None:
+    held, first = Held(FilesByToken()), document()
+    plain = plain_document(first, held)
+    edits = [{"op": "set", "path": ["scene", "layers", 0, "density"], "value": 0.5}]
+    found = read_document(applied(plain, edits), held, plain, first)
+    assert found.scene.layers[0].density == 0.5
+    assert found.scene.layers[0].transfer is first.scene.layers[0].transfer
+    assert found.scene.meshes[0] is first.scene.meshes[0]
+    assert found.scene.clips[0] is first.scene.clips[0]
 
 
 # -- edits
@@ -161,3 +174,21 @@ def test_histories_have_an_end() -> None:
     for n in range(MOST_STEPS + 5):
         history = history.edited(dataclasses.replace(history.document, step=1.0 + n / 7))
     assert len(history.past) == MOST_STEPS
+
+
+def test_undo_brings_back_as_many_volumes_as_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, other, last = (dataclasses.replace(document(), step=step) for step in (1.0, 2.0, 3.0))
+    monkeypatch.setattr("airlight.viewer.history.MOST_BYTES", first.volumes[0].array.nbytes)
+    history = History(first).edited(dataclasses.replace(first, step=0.5)).edited(other)
+    assert len(history.past) == 2, "steps of one volume"
+    history = history.edited(last)
+    assert history.past == (other,)
+    assert len(history.edited(dataclasses.replace(last, step=0.5)).past) == 2, "edits of what is shown cost nothing"
+
+
+def test_ids_are_given_once() -> None:
+    held, volumes = Held(FilesByToken()), [ball(4) for _ in range(3)]
+    assert [held.volume(volume) for volume in volumes] == ["v0", "v1", "v2"]
+    held.keep_only(volumes[1:])
+    assert list(held.volumes) == ["v1", "v2"]
+    assert held.volume(volumes[0]) == "v3"

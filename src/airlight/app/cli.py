@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 
 COMMANDS = {
     "render": "Render a volume or a scene to an image.",
+    "view": "Look at a volume or a scene in the browser or a window.",
+    "movie": "Make a movie: a turntable, keyframes, or a volume over time.",
+    "export": "Write a page that draws a volume in any browser with WebGPU.",
     "info": "Tell what a file holds: size, geometry, units, range, histogram.",
     "devices": "List the adapters that can render, and which is chosen.",
     "demo": "Fetch a sample volume and render it.",
@@ -28,6 +31,7 @@ Volume rendering through WebGPU: right, fast and simple to read.
 For instance:
 
     airlight demo
+    airlight view head.nii.gz
     airlight render head.nii.gz -o head.png
     airlight render ct.nrrd -o bone.png --preset ct-bone --camera iso --size 1024x1024
     airlight info ct.nrrd
@@ -58,7 +62,7 @@ def _run(words: list[str], debug: bool) -> int:
     from ..errors import AirlightError
 
     try:
-        if words[:1] == ["render"] and not {"--help", "-h"} & set(words):
+        if words[:1] in (["render"], ["movie"], ["view"]) and not {"--help", "-h"} & set(words):
             _warm_up(_given(words, "--device"))
         plugins = _given(words, "--plugin")
         if plugins:

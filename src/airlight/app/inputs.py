@@ -36,14 +36,27 @@ def open_named(path: str, progress: ProgressBar | None = None, **options: Any) -
 
     if os.path.lexists(os.path.expanduser(path)):
         return io.open(path, progress=progress, **options)
-    if path not in samples.names():
-        near = _near(path, samples.names())
-        raise FileError(path, "does not exist", f"is it {' or '.join(near)}?" if near else "check the path")
+    check_named(path)
     for name, value in options.items():
         if name != "max_memory" and value not in EMPTY_OPTIONS:
             what = f"tells how to read a file, and {path} is a sample"
             raise ValueRangeError(f"--{name.replace('_', '-')}", what, "leave it out")
     return samples.load(path, progress=progress)
+
+
+def check_named(path: str) -> None:
+    """Refuse a path where no file or folder is, and no sample has this name.
+
+    Raises
+    ------
+    FileError
+        It names files and samples whose names are near.
+    """
+    from .. import samples
+
+    if not os.path.lexists(os.path.expanduser(path)) and path not in samples.names():
+        near = _near(path, samples.names())
+        raise FileError(path, "does not exist", f"is it {' or '.join(near)}?" if near else "check the path")
 
 
 def _near(path: str, samples: tuple[str, ...]) -> list[str]:

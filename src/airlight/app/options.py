@@ -17,6 +17,7 @@ VIEW = Group("View", sort_key=2)
 DRAW = Group("Drawing", sort_key=3)
 READ = Group("Reading", sort_key=4)
 NOTES = Group("Annotations", sort_key=2)
+SERVE = Group("Page", sort_key=5)
 
 SLOTS = ("field", "gradient", "transfer", "modulation", "shade", "lighting", "visibility", "integrate", "tone")
 
@@ -331,3 +332,27 @@ class ReadOptions:
     max_memory: Annotated[
         str, Parameter(group=READ, metavar="SIZE", help="Most that a file may unpack to, e.g. 500M; 8G unless told.")
     ] = "8G"
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class ServeOptions:
+    """Where the page is served, and what it may bring."""
+
+    host: Annotated[
+        str,
+        Parameter(group=SERVE, metavar="ADDRESS", help="Where it listens; 127.0.0.1, for this machine alone, unless told."),
+    ] = "127.0.0.1"
+    port: Annotated[int, Parameter(group=SERVE, help="Port; a free one unless told.")] = 0
+    browser: Annotated[bool, Parameter(group=SERVE, negative="--no-browser", help="Open the page in the browser.")] = True
+    public_url: Annotated[
+        str,
+        Parameter(
+            group=SERVE,
+            metavar="URL",
+            help="Address under which a proxy, e.g. of a notebook hub, shows the page: https://hub.example.org/user/me/proxy/8000/",
+        ),
+    ] = ""
+    max_upload: Annotated[
+        str, Parameter(group=SERVE, metavar="SIZE", help="Most that a page may bring to be opened, e.g. 500M; 4G unless told.")
+    ] = "4G"

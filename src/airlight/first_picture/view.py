@@ -104,12 +104,14 @@ def _thin_first(solid: npt.NDArray[np.bool_]) -> float:
     return float((first < 0.2 * met)[met > 0].mean()) if met.any() else 0.0
 
 
-def fitted_camera(points: FloatArray, to_eye: FloatArray, up: FloatArray, aspect: float, room: float = 1.0) -> Camera:
+def fitted_camera(
+    points: FloatArray, to_eye: FloatArray, up: FloatArray, aspect: float, room: float = 1.0, fov_deg: float = FOV_DEG
+) -> Camera:
     """Perspective camera that looks along a direction and shows all points, in the middle of the picture, with room round."""
     right = np.cross(up, to_eye)
     right /= np.linalg.norm(right)
     above = np.cross(to_eye, right)
-    tangent = math.tan(math.radians(FOV_DEG) / 2) / (MARGIN * room)
+    tangent = math.tan(math.radians(fov_deg) / 2) / (MARGIN * room)
     target = (points.min(axis=0) + points.max(axis=0)) / 2
     distance = 0.0
     for _ in range(3):
@@ -127,7 +129,7 @@ def fitted_camera(points: FloatArray, to_eye: FloatArray, up: FloatArray, aspect
     x, y, z = (float(c) for c in target + distance * to_eye)
     tx, ty, tz = (float(c) for c in target)
     ux, uy, uz = (float(c) for c in up)
-    return Camera.perspective(eye=(x, y, z), target=(tx, ty, tz), up=(ux, uy, uz), fov_deg=FOV_DEG)
+    return Camera.perspective(eye=(x, y, z), target=(tx, ty, tz), up=(ux, uy, uz), fov_deg=fov_deg)
 
 
 def chosen_lights(to_eye: FloatArray, up: FloatArray, key: float = 1.0, fill: float = 0.35) -> tuple[Light, ...]:

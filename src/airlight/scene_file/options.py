@@ -36,8 +36,8 @@ class RenderOptions(TypedDict, total=False):
     passes: tuple[Stage, ...]
 
 
-def checked_options(table: Table) -> RenderOptions:
-    """Options of the ``[render]`` table, checked."""
+def checked_options(table: Table, opened: Opener = Environment.open) -> RenderOptions:
+    """Options of the ``[render]`` table, checked; ``opened`` opens pictures of environments."""
     options = RenderOptions()
     hints: dict[str, Any] = {"size": tuple[int, int], "step": float, "tolerance": float, "skip": str}
     for key, hint in hints.items():
@@ -52,23 +52,23 @@ def checked_options(table: Table) -> RenderOptions:
             raise table.error(key, f"is {value}, must be finite and above 0")
         options[key] = value  # type: ignore[literal-required]
     if "driver" in table.data:
-        driver = stage_in(table, "driver", "driver")
+        driver = stage_in(table, "driver", "driver", opened)
         name = table.data["driver"]
         options["driver"] = name if isinstance(name, str) else driver
     if "passes" in table.data:
-        options["passes"] = passes_in(table)
+        options["passes"] = passes_in(table, opened)
     table.taken |= {*hints, "driver", "passes"}
     table.close()
     return options
 
 
-def passes_in(table: Table) -> tuple[Stage, ...]:
+def passes_in(table: Table, opened: Opener = Environment.open) -> tuple[Stage, ...]:
     """Passes over the finished picture, each a name or a table."""
     given = table.data["passes"]
     if not isinstance(given, list):
         raise table.error("passes", f"is {given!r}, must be a list of names and tables", 'e.g. ["bounding_box"]')
     alone = (Table({"passes": one}, table.place, table.file, table.text) for one in given)
-    return tuple(stage_in(one, "passes", "passes") for one in alone)
+    return tuple(stage_in(one, "passes", "passes", opened) for one in alone)
 
 
 def recipe_of(table: Table) -> dict[str, Any]:
@@ -85,7 +85,12 @@ def recipe_value(key: str, text: str) -> Any:
 
 
 def placed(value: Any, table: Table) -> Any:
-    """Return a value with the picture that it names, if it is a name or a table that does, relative to the scene's folder."""
+    """Return a value with the picture that it names, if it is a name or a table that does, relative to the scene's folder.
+
+    In plain data of no file it stays, for whoever opens it.
+    """
+    if not table.file:
+        return value
     if isinstance(value, dict) and isinstance(value.get("file"), str):
         return value | {"file": str(Path(table.file).absolute().parent / value["file"])}
     if isinstance(value, str) and value.lower().endswith(ENDINGS):

@@ -81,19 +81,23 @@ def load_scene(
     version = root.take("format", int, FORMAT)
     if version != FORMAT:
         raise root.error("format", f"is {version}, this version reads {FORMAT}", "use a newer airlight")
-    options = checked_options(root.table("render"))
+    options = checked_options(root.table("render"), picture)
+    root.taken.add("keyframes")  # of the movie that the scene is in: airlight.movies reads them
     beside = _beside(folder, untrusted)
     return read_scene(root, Sources(volume, picture, beside, lambda data: from_dict(data, beside))), options
 
 
 @dataclass(frozen=True)
 class Sources:
-    """Where a scene's plain data find what they only name: volumes, pictures of environments, files, and meshes."""
+    """What makes values of a scene's plain data: of those that only name volumes, pictures, files and meshes, and of others."""
 
     volume: Callable[[Table], Volume]
     picture: Opener
     file: Callable[[str], str]
     mesh: Callable[[Mapping[str, Any]], Mesh | Lines | Points]
+    labels: Callable[[Volume, Mapping[str, Any]], Labels] = Labels.from_dict
+    light: Callable[[Mapping[str, Any], Callable[[str], str]], Light] = Light.from_dict
+    clip: Callable[[Mapping[str, Any], Callable[[str], str]], Clip] = Clip.from_dict
 
 
 def read_scene(root: Table, sources: Sources) -> Scene:
@@ -105,12 +109,12 @@ def read_scene(root: Table, sources: Sources) -> Scene:
         For unknown keys, wrong types, values out of range and unknown stages.
     """
     background = _background(root, sources.picture)
-    lights = [_light(table, sources.file) for table in root.tables("lights")] if "lights" in root.data else None
-    clips = _clips(root, sources.file)
+    lights = [_light(table, sources) for table in root.tables("lights")] if "lights" in root.data else None
+    clips = _clips(root, sources)
     layers = [_layer(table, sources) for table in root.tables("layers")]
     annotations = [_annotation(table) for table in root.tables("annotations")]
     meshes = [_mesh(table, sources.mesh) for table in root.tables("meshes")]
-    camera = _camera(root)
+    camera = _camera(root, sources.picture)
     root.close()
     with root.located():
         values = {"lights": lights, "background": background, "clips": clips, "meshes": meshes, "annotations": annotations}
@@ -124,7 +128,7 @@ def load_transfer(path: str | Path) -> AnyFunction:
 
 
 def _layer(table: Table, sources: Sources) -> Layer:
-    image, labels = _volume(table, "volume", sources.volume), _labels(table, sources.volume)
+    image, labels = _volume(table, "volume", sources.volume), _labels(table, sources)
     look = table.table("look")
     chosen = {slot: stage_in(look, slot, slot, sources.picture) for slot in Look.__dataclass_fields__ if slot in look.data}
     look.taken |= set(Look.__dataclass_fields__)
@@ -132,7 +136,7 @@ def _layer(table: Table, sources: Sources) -> Layer:
     function = _transfer(table.table("transfer")) if "transfer" in table.data else None
     visible, density = table.take("visible", bool, True), table.take("density", float, 1.0)
     channel, time = table.take("channel", int | str, 0), table.take("time", int, 0)
-    clips = _clips(table, sources.file)
+    clips = _clips(table, sources)
     table.taken |= {"volume", "labels", "transfer"}
     table.close()
     with table.located():
@@ -152,18 +156,18 @@ def _volume(table: Table, key: str, volume: Callable[[Table], Volume]) -> Volume
     return found
 
 
-def _labels(table: Table, volume: Callable[[Table], Volume]) -> Labels | None:
+def _labels(table: Table, sources: Sources) -> Labels | None:
     """Labels of a layer: a volume, or a table with a volume and styles."""
     if "labels" not in table.data:
         return None
     if not isinstance(table.data["labels"], dict) or "volume" not in table.data["labels"]:
-        found = _volume(table, "labels", volume)
+        found = _volume(table, "labels", sources.volume)
         with table.located("labels"):
-            return Labels(found)
+            return sources.labels(found, {})
     inner = table.table("labels")
-    found = _volume(inner, "volume", volume)
+    found = _volume(inner, "volume", sources.volume)
     with inner.located():
-        return Labels.from_dict(found, {key: value for key, value in inner.data.items() if key != "volume"})
+        return sources.labels(found, {key: value for key, value in inner.data.items() if key != "volume"})
 
 
 def _transfer(table: Table) -> AnyFunction:
@@ -186,25 +190,25 @@ def _background(root: Table, picture: Opener) -> Environment | Colour | None:
     return None if colour == "none" else colour
 
 
-def _camera(root: Table) -> Camera | str:
+def _camera(root: Table, picture: Opener) -> Camera | str:
     root.taken.add("camera")
     value = root.data.get("camera", "front")
     if isinstance(value, str):
         if value not in VIEWS:
             raise root.error("camera", f"is {value!r}, must be a table or one of {', '.join(VIEWS)}")
         return value
-    camera = stage_in(root, "camera", "camera")
+    camera = stage_in(root, "camera", "camera", picture)
     assert isinstance(camera, Camera)
     return camera
 
 
-def _clips(table: Table, place: Callable[[str], str]) -> tuple[Clip, ...]:
-    return tuple(_clip(inner, place) for inner in table.tables("clips"))
+def _clips(table: Table, sources: Sources) -> tuple[Clip, ...]:
+    return tuple(_clip(inner, sources) for inner in table.tables("clips"))
 
 
-def _clip(table: Table, place: Callable[[str], str]) -> Clip:
+def _clip(table: Table, sources: Sources) -> Clip:
     with table.located_inside("clip"):
-        return Clip.from_dict(table.data, place)
+        return sources.clip(table.data, sources.file)
 
 
 def _mesh(table: Table, made: Callable[[Mapping[str, Any]], Mesh | Lines | Points]) -> Mesh | Lines | Points:
@@ -230,6 +234,6 @@ def _annotation(table: Table) -> Annotation:
         return annotation_from_dict(table.data)
 
 
-def _light(table: Table, place: Callable[[str], str]) -> Light:
+def _light(table: Table, sources: Sources) -> Light:
     with table.located_inside("light"):
-        return Light.from_dict(table.data, place)
+        return sources.light(table.data, sources.file)

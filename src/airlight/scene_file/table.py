@@ -80,7 +80,8 @@ class Table:
         try:
             yield
         except AirlightError as error:
-            raise type(error)(f"{self.where(key)}: {error.where}", error.what, error.remedy) from error
+            where = ": ".join(part for part in (self.where(key), error.where) if part)
+            raise type(error)(where, error.what, error.remedy) from error
         except (TypeError, ValueError, AttributeError) as error:
             raise self.error(key, f"has a wrong value ({error})") from error
 
@@ -90,8 +91,11 @@ class Table:
         try:
             yield
         except AirlightError as error:
-            name = (_dotted(self.place) or root) + error.where.removeprefix(root)
-            where = self._located((*self.place, *place_of(error.where)), name)
+            own = _dotted(self.place) or root
+            if error.where.startswith(root):
+                where = self._located((*self.place, *place_of(error.where)), own + error.where.removeprefix(root))
+            else:
+                where = self._located(self.place, f"{own}: {error.where}")
             raise type(error)(where, error.what, error.remedy) from error
 
 

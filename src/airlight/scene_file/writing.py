@@ -187,7 +187,8 @@ def _named_pictures(data: Any, namer: Namer) -> Any:
         return data
     if data.get("kind") == "picture":
         return data | {"file": namer.file(data["file"])}
-    return {key: _named_pictures(part, namer) for key, part in data.items()}
+    # Labels hold no pictures, and may be many.
+    return {key: part if key == "labels" else _named_pictures(part, namer) for key, part in data.items()}
 
 
 def _plain(value: Any, where: str) -> Any:

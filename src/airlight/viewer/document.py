@@ -7,6 +7,7 @@ from typing import Any
 
 from ..scene import Camera, Scene
 from ..stage import Stage, make_stage
+from ..volume import Volume
 
 TOLERANCE = 1 / 255
 
@@ -23,6 +24,9 @@ class Document:
         As for ``airlight.render``: what is drawn once nothing moves.
     tolerance
         Bound of the error to which the picture is refined at rest; None leaves it at ``step``.
+    chosen_for
+        Width over height of the view that the camera was chosen for, from the data: narrower views stand back. None for cameras
+        that somebody named.
     """
 
     scene: Scene
@@ -31,12 +35,19 @@ class Document:
     skip: str = "auto"
     tolerance: float | None = TOLERANCE
     passes: tuple[Stage, ...] = ()
+    chosen_for: float | None = field(default=None, compare=False)
 
     @property
     def camera(self) -> Camera:
         """The scene's camera."""
         assert isinstance(self.scene.camera, Camera)
         return self.scene.camera
+
+    @property
+    def volumes(self) -> list[Volume]:
+        """What its layers draw, and their labels' volumes."""
+        layers = self.scene.layers
+        return [layer.volume for layer in layers] + [layer.labels.volume for layer in layers if layer.labels is not None]
 
     def with_camera(self, camera: Camera) -> Document:
         """Return the same seen by another camera."""

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from .document import Document
 
 MOST_STEPS = 200
+MOST_BYTES = 2 << 30
+"""Most that volumes may take which are not shown any more and which undo brings back."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,7 @@ class History:
             return replace(self, document=document)
         joined = bool(merge) and merge == self.merge and bool(self.past)
         past = self.past if joined else (*self.past, self.document)[-MOST_STEPS:]
-        return History(document, past, (), merge)
+        return History(document, _affordable(past, document), (), merge)
 
     def undone(self) -> History:
         """Return the history before the last step; itself where there is none."""
@@ -39,3 +41,14 @@ class History:
             return self
         after = self.future[0].with_camera(self.document.camera)
         return History(after, (*self.past, self.document), self.future[1:])
+
+
+def _affordable(past: tuple[Document, ...], document: Document) -> tuple[Document, ...]:
+    """The last steps before a document, as far back as their volumes do not take too much."""
+    sizes = {id(volume): 0 for volume in document.volumes}
+    for count, step in enumerate(reversed(past)):
+        for volume in step.volumes:
+            sizes.setdefault(id(volume), volume.array.nbytes)
+        if sum(sizes.values()) > MOST_BYTES:
+            return past[len(past) - count :]
+    return past

@@ -29,7 +29,7 @@ def schema() -> dict[str, Any]:
 def _stage(cls: type[Stage]) -> dict[str, Any]:
     """A stage's meaning and its parameters."""
     hints = type_hints(cls)
-    summary = (inspect.getdoc(cls) or "").partition("\n\n")[0].replace("\n", " ")
+    summary = (inspect.getdoc(cls) or "").partition("\n\n")[0].replace("\n", " ").replace("``", "")
     return {"help": summary, "parameters": [_parameter(field, hints[field.name]) for field in stage_fields(cls)]}
 
 

@@ -4,71 +4,160 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
-import struct
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from .session import Viewer
+from ..errors import AirlightError, ValueRangeError
+from .serving.framing import packed, unpacked
+from .serving.limits import Limits, Outbox, Pace
+from .serving.lobby import Lobby
+from .telling import told
+
+if TYPE_CHECKING:
+    from .clients import Send
+    from .session import Session, Viewer
 
 WEB = Path(__file__).with_name("web")
+WAIT_S = 0.1
+CUT, NOT_UNDERSTOOD, TOO_LONG, AGAIN, TOO_BUSY = 1006, 1007, 1009, 1012, 1013
+KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml"}
 
 
-def packed(message: dict[str, Any], buffers: Sequence[bytes]) -> bytes:
-    """A message and its buffers as one frame: count, lengths of all parts (uint32), JSON, buffers."""
-    text = json.dumps(message, allow_nan=False, separators=(",", ":")).encode()
-    parts = [text, *buffers]
-    return struct.pack(f"<{1 + len(parts)}I", len(parts), *(len(part) for part in parts)) + b"".join(parts)
+def application(viewer: Viewer | Lobby, limits: Limits | None = None) -> Any:
+    """ASGI application of a viewer; it answers everybody, and ``serving.access.guarded`` lets in whom it may.
 
-
-def unpacked(frame: bytes) -> tuple[dict[str, Any], list[bytes]]:
-    """The message and the buffers of a frame."""
-    (count,) = struct.unpack_from("<I", frame)
-    lengths = struct.unpack_from(f"<{count}I", frame, 4)
-    at, parts = 4 + 4 * count, []
-    for length in lengths:
-        parts.append(frame[at : at + length])
-        at += length
-    return json.loads(parts[0]), parts[1:]
-
-
-def application(viewer: Viewer) -> Any:
-    """ASGI application of a viewer."""
+    Parameters
+    ----------
+    viewer
+        The viewer, or a lobby in which pages wait for it.
+    limits
+        How much a client may send.
+    """
     from starlette.applications import Starlette
-    from starlette.responses import FileResponse
-    from starlette.routing import Mount, Route, WebSocketRoute
-    from starlette.staticfiles import StaticFiles
-    from starlette.websockets import WebSocket, WebSocketDisconnect
+    from starlette.responses import Response
+    from starlette.routing import Route, WebSocketRoute
 
-    async def page(_: Any) -> FileResponse:
-        return FileResponse(WEB / "index.html")
+    lobby = viewer if isinstance(viewer, Lobby) else Lobby(viewer)
+    bounds = limits or Limits()
+    # A list that is made once: no request names a path.
+    files = {path.relative_to(WEB).as_posix(): path for path in sorted(WEB.rglob("*")) if path.suffix in KINDS}
 
-    async def socket(connection: WebSocket) -> None:
+    async def page(_: Any) -> Response:
+        modules = "".join(f'<link rel="modulepreload" href="web/{name}">\n' for name in files if name.endswith(".js"))
+        own = [name for name in files if name.startswith("panels/") and name.endswith(".css")]
+        sheets = "".join(f'<link rel="stylesheet" href="web/{name}">\n' for name in own)
+        text = files["index.html"].read_text().replace("</head>", f"{sheets}{modules}</head>")
+        return Response(text, media_type="text/html; charset=utf-8")
+
+    async def file(request: Any) -> Response:
+        path = files.get(request.path_params["name"])
+        if path is None:
+            return Response("There is no such file.\n", 404, media_type="text/plain")
+        return Response(path.read_bytes(), media_type=f"{KINDS[path.suffix]}; charset=utf-8")
+
+    async def socket(connection: Any) -> None:
+        await connected(connection, lobby, bounds)
+
+    routes = [Route("/", page), Route("/web/{name:path}", file), WebSocketRoute("/socket", socket)]
+    app = Starlette(routes=routes)
+    app.router.redirect_slashes = False
+    return app
+
+
+async def connected(connection: Any, lobby: Lobby, limits: Limits) -> None:
+    """Serve one socket: messages of its client go to its session, those of the session to it."""
+    from anyio import create_task_group, move_on_after
+
+    if lobby.sockets >= limits.sockets:
+        await connection.close(TOO_BUSY)
+        return
+    lobby.entered()
+    code = CUT
+    try:
         await connection.accept()
-        loop, outgoing = asyncio.get_running_loop(), asyncio.Queue[bytes]()
+        outbox = Outbox(limits.waiting_bytes)
+        async with create_task_group() as both:
 
-        def send(message: dict[str, Any], buffers: list[bytes]) -> None:
-            loop.call_soon_threadsafe(outgoing.put_nowait, packed(message, buffers))
+            async def pump() -> None:
+                with contextlib.suppress(*_gone()):  # receiving tells with which code it went
+                    while not both.cancel_scope.cancel_called:
+                        data = await outbox.take()
+                        with move_on_after(limits.stalled_s) as sending:
+                            await connection.send_bytes(data)
+                        if sending.cancelled_caught:
+                            both.cancel_scope.cancel()
 
-        async def pump() -> None:
-            while True:
-                await connection.send_bytes(await outgoing.get())
+            async def watch() -> None:  # the pump itself waits for a client that does not read
+                await outbox.overflowed.wait()
+                both.cancel_scope.cancel()
 
+            both.start_soon(pump)
+            both.start_soon(watch)
+            code = await _talk(connection, lobby, limits, outbox)
+            both.cancel_scope.cancel()
+    finally:
+        lobby.left(code)
+
+
+async def _talk(connection: Any, lobby: Lobby, limits: Limits, outbox: Outbox) -> int:
+    """Bring a client to its session, and hand that its messages; returns the code with which it went, or had to."""
+    from starlette.websockets import WebSocketDisconnect
+
+    def send(message: dict[str, Any], buffers: list[bytes]) -> None:
+        outbox.put(packed(message, buffers))
+
+    try:
+        viewer = await _arrived(lobby, send)
         session = viewer.session(connection.query_params.get("session"))
+    except AirlightError as error:  # no viewer has come, or it takes no more
+        send({"type": "error"} | told(error), [])
+        await asyncio.sleep(WAIT_S)
+        code = TOO_BUSY
+    else:
         detach = session.listen(send)
-        sending = asyncio.create_task(pump())
         try:
-            while True:
-                message, buffers = unpacked(await connection.receive_bytes())
-                await asyncio.to_thread(session.receive, message, buffers)
-        except WebSocketDisconnect:
-            pass
+            code = await _heard(connection, session, limits, send)
+        except WebSocketDisconnect as gone:
+            return gone.code
         finally:
             detach()
-            sending.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await sending
+    with contextlib.suppress(*_gone()):
+        await connection.close(code)
+    return CUT
 
-    routes = [Route("/", page), WebSocketRoute("/socket", socket), Mount("/web", StaticFiles(directory=WEB))]
-    return Starlette(routes=routes)
+
+async def _heard(connection: Any, session: Session, limits: Limits, send: Send) -> int:
+    """Hand messages of a client to its session; returns the code of why that cannot go on."""
+    pace = Pace(limits.messages_per_s, limits.burst)
+    while True:
+        try:
+            frame = await connection.receive_bytes()
+            if len(frame) > limits.message_bytes:
+                return TOO_LONG
+            message, buffers = unpacked(frame)
+        except (ValueRangeError, KeyError):  # no message; or text, not bytes
+            return NOT_UNDERSTOOD
+        except RuntimeError:  # closed from this side meanwhile
+            return CUT
+        if session.has_ended:
+            return AGAIN  # whoever comes back finds another
+        await asyncio.to_thread(session.receive, message, buffers, send)
+        await asyncio.sleep(pace.pause_s())
+
+
+def _gone() -> tuple[type[Exception], ...]:
+    """Errors of writing to a client that is no more."""
+    from starlette.websockets import WebSocketDisconnect
+
+    return WebSocketDisconnect, RuntimeError, OSError
+
+
+async def _arrived(lobby: Lobby, send: Send) -> Viewer:
+    """Wait for the viewer, and tell what is being done for it."""
+    coming, last = asyncio.wrap_future(lobby.viewer), None
+    while not coming.done():
+        if lobby.told is not None and lobby.told != last:
+            last = lobby.told
+            send({"type": "progress", "what": last[0], "done": last[1], "total": last[2]}, [])
+        await asyncio.wait({coming}, timeout=WAIT_S)
+    return coming.result()

@@ -1,4 +1,8 @@
 // What panels get: the state, edits of it, questions to the session, the picture, and an overlay above it.
+import { piled } from "./gestures.js";
+import { cross, dot, minus, plus, times, unit } from "./vectors.js";
+
+const CUT = { where: "connection", what: "was cut,", remedy: "and is tried again" };
 
 /** A view on a session over a model. */
 export function makeView(model, canvas, overlay) {
@@ -8,6 +12,7 @@ export function makeView(model, canvas, overlay) {
   let state = null;
   let frame = null;
   let drawn = Promise.resolve();
+  let isCut = false;
 
   const view = {
     model, canvas, overlay, schema: null, volumes: {}, name: "",
@@ -25,17 +30,27 @@ export function makeView(model, canvas, overlay) {
     ops: (ops, merge) => view.send({ type: "edit", ops, merge }),
     undo: () => view.send({ type: "undo" }),
     redo: () => view.send({ type: "redo" }),
-    gesture: (gesture) => view.send({ type: "gesture", ...gesture }),
-    ask(what, args = {}) {
+    habits: () => state?.habits,
+    hand: "orbit", // what a plain drag makes
+    gesture(gesture) {
+      pile(gesture);
+      view.tell("gesture", gesture);
+    },
+    ask(what, args = {}, buffers) {
       const id = ++number;
-      view.send({ type: "ask", id, what, arguments: args });
-      return new Promise((resolve, reject) => asked.set(id, { resolve, reject }));
+      return new Promise((resolve, reject) => {
+        asked.set(id, { resolve, reject });
+        if (view.send({ type: "ask", id, what, arguments: args }, buffers) !== false) return;
+        asked.delete(id);
+        reject(CUT);
+      });
     },
     size_px: () => [canvas.clientWidth, canvas.clientHeight],
     project: (p_world) => projected(frame?.camera, p_world, view.size_px()),
     unproject: (x, y) => unprojected(frame?.camera, x, y, view.size_px()),
   };
 
+  const pile = piled((message) => view.send(message));
   const handlers = {
     welcome(message) {
       view.schema = message.schema;
@@ -49,7 +64,8 @@ export function makeView(model, canvas, overlay) {
     },
     frame(message, [data]) {
       // In a chain: bitmaps may be decoded out of order.
-      drawn = drawn.then(() => show(message, data)).catch((error) => view.tell("error", { what: String(error) }));
+      drawn = drawn.then(() => show(message, data)).catch((error) => view.tell("error", { what: String(error) }))
+        .finally(() => view.send({ type: "ack", frame: message.frame }));
     },
     answer(message, buffers) {
       const waiting = asked.get(message.id);
@@ -57,7 +73,10 @@ export function makeView(model, canvas, overlay) {
       if (message.error) waiting?.reject(message.error);
       else waiting?.resolve({ ...message.value, buffers });
     },
-    error: (message) => view.tell("error", message),
+    error(message) {
+      if (state) view.tell("state", state); // controls go back to what holds
+      view.tell("error", message);
+    },
     progress: (message) => view.tell("progress", message),
   };
 
@@ -69,21 +88,29 @@ export function makeView(model, canvas, overlay) {
     canvas.getContext("2d").drawImage(bitmap, 0, 0);
     bitmap.close();
     frame = message;
-    view.send({ type: "ack", frame: message.frame });
     view.tell("frame", message);
   }
 
-  model.on("msg:custom", (message, buffers) => handlers[message.type]?.(message, buffers));
+  const cut = () => {
+    for (const { reject } of asked.values()) reject(CUT);
+    asked.clear();
+    if (!isCut) view.tell("error", CUT);
+    isCut = true;
+  };
+  const others = (message) => view.tell(message.type, message);
+  const taken = (message, buffers) => (handlers[message.type] ?? others)(message, buffers);
+  const heard = Object.entries({ "msg:open": () => (isCut = false), "msg:closed": cut, "msg:custom": taken });
+  heard.forEach(([name, listener]) => model.on(name, listener));
+  view.end = () => {
+    // Models of notebooks outlive their cells.
+    heard.forEach(([name, listener]) => model.off?.(name, listener));
+    listeners.clear();
+    cut();
+  };
   return view;
 }
 
 // -- cameras, as plain data
-
-const minus = (a, b) => a.map((x, n) => x - b[n]);
-const plus = (a, b, factor = 1) => a.map((x, n) => x + factor * b[n]);
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const unit = (a) => a.map((x) => x / Math.hypot(...a));
 
 /** Unit vectors to the right, up and forward. */
 export function basis(camera) {
@@ -113,7 +140,7 @@ export function unprojected(camera, x, y, [width, height]) {
   if (!camera || !height) return null;
   const { right, up, forward } = basis(camera);
   const half = halfHeight(camera);
-  const aside = plus(right.map((r) => (r * half * (2 * x - width)) / height), up, (half * (height - 2 * y)) / height);
+  const aside = plus(times(right, (half * (2 * x - width)) / height), up, (half * (height - 2 * y)) / height);
   if (camera.name === "orthographic") return { origin: plus(camera.eye, aside), direction: forward };
   return { origin: camera.eye, direction: unit(plus(forward, aside)) };
 }
