@@ -219,7 +219,7 @@ def test_a_view_follows_another_that_was_shared_and_changes_nothing(viewer, draw
     leader.session.receive({"type": "edit", "ops": [{"op": "set", "path": ["scene", "layers", 0, "density"], "value": 3.0}]})
     assert follower.session.document == leader.session.document
     assert follower.of("state")[-1]["following"]
-    eventually(lambda: follower.last["camera"] == leader.last["camera"])
+    eventually(lambda: follower.of("frame") and follower.last["camera"] == leader.last["camera"])
     assert follower.last["size_px"] == [16, 16]
     errors = len(follower.of("error"))
     follower.turn()
