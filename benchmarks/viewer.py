@@ -40,6 +40,7 @@ PSNR_DB = 28.0
 LEAST_SCALE, MOST_STEP = 0.5, 2.0
 REST_S = 1.5
 EDIT_MS = 120.0
+SHARES = (0.1, 0.25, 0.5, 0.75, 1.0)
 GROWTH_PERCENT = 5.0
 LEAST_SHARE = 0.5
 """Of the pictures of the client that got most of them, each other gets at least so many."""
@@ -346,11 +347,21 @@ def soaked(volume: Path, options: Any, minutes: float) -> list[dict[str, Any]]:
         print(error, file=sys.stderr)
     return [
         bar("four clients: growth of memory [%]", growth(memory, seconds), most=GROWTH_PERCENT),
+        *(
+            bar(f"four clients: memory after {share:.0%} of the time [MiB]", held_at(memory, share * seconds))
+            for share in SHARES
+        ),
         bar("four clients: errors", len(errors), most=0),
         bar("four clients: fewest pictures of one", min(counts), least=LEAST_SHARE * max(counts)),
         bar("four clients: most pictures of one", max(counts)),
         bar("four clients: came back to their state, of 3", sum(kept), least=3),
     ]
+
+
+def held_at(memory: list[tuple[float, int | None]], at_s: float) -> float | None:
+    """MiB that were held at a time."""
+    nearest = min(memory, key=lambda one: abs(one[0] - at_s))[1]
+    return None if nearest is None else nearest / 2**20
 
 
 def growth(memory: list[tuple[float, int | None]], seconds: float) -> float | None:
