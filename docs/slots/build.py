@@ -9,14 +9,13 @@ With ``--check`` nothing is written, and pages that are out of date are named.
 from __future__ import annotations
 
 import dataclasses
-import inspect
 import re
 import sys
 from pathlib import Path
 from typing import Any
 
 from airlight import stages as _stages  # noqa: F401  (makes the names of the stages known)
-from airlight.stage import SLOTS, STAGES, Stage, stage_fields
+from airlight.stage import SLOTS, STAGES, Stage, stage_fields, summary_of
 
 FOLDER = Path(__file__).parent
 MADE = re.compile(r"(<!-- made by build\.py: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -65,7 +64,7 @@ def stage_table(slot: str) -> str:
 
 def stage_rows(name: str, cls: type[Stage]) -> list[tuple[str, ...]]:
     """Cells of the row of a stage and of the rows of its parameters."""
-    summary = (inspect.getdoc(cls) or "").partition("\n\n")[0].replace("\n", " ")
+    summary = summary_of(cls)
     rows: list[tuple[str, ...]] = [(f"`{name}`", f"`{cls.__name__}`", "", "", "", summary)]
     for field in stage_fields(cls):
         changes = "" if field.metadata["kind"] != "static" else " (links another program)"

@@ -7,6 +7,7 @@ file and one function of the reference; the command line, the viewer, parity tes
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import numbers
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -524,6 +525,11 @@ StageType = TypeVar("StageType", bound=type[Stage])
 def stage_fields(cls: type) -> tuple[dataclasses.Field[Any], ...]:
     """Fields of a stage that were made by ``param`` or ``static``."""
     return tuple(f for f in dataclasses.fields(cls) if "kind" in f.metadata)
+
+
+def summary_of(cls: type) -> str:
+    """First paragraph of a stage's docstring, on one line: what lists, panels and pages say of it."""
+    return (inspect.getdoc(cls) or "").partition("\n\n")[0].replace("\n", " ")
 
 
 def uniform_fields(cls: type) -> list[tuple[str, str, str]]:

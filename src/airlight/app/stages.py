@@ -1,7 +1,6 @@
 """``airlight stages``: slots, stages and their parameters, out of the classes themselves."""
 
 import dataclasses
-import inspect
 import io
 import shutil
 from typing import Annotated, Any
@@ -10,7 +9,7 @@ from cyclopts import Parameter
 
 from .. import stages as _stages  # noqa: F401  (makes the names of the stages known)
 from ..errors import ValueRangeError
-from ..stage import SLOTS, STAGES, Stage, stage_fields
+from ..stage import SLOTS, STAGES, Stage, stage_fields, summary_of
 
 
 def stages(
@@ -55,7 +54,7 @@ def _print_slot(slot: str) -> None:
 
 def stage_rows(cls: type[Stage]) -> list[tuple[str, str, str, str]]:
     """Rows of (name, default, range and unit, meaning): the stage itself, then each of its parameters, indented."""
-    summary = (inspect.getdoc(cls) or "").partition("\n\n")[0].replace("\n", " ")
+    summary = summary_of(cls)
     rows = [(cls.name, "", "", summary)]
     rows += [(f"  {f.name}", _word(f.default), _range(f), f.metadata["help"]) for f in stage_fields(cls)]
     return rows

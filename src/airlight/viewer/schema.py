@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import inspect
 import types
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from .. import stages as _stages  # noqa: F401  (makes the names of the stages known)
 from ..environment import Environment
 from ..scene import VIEWS, Look
-from ..stage import SLOTS, STAGES, Stage, stage_fields, type_hints
+from ..stage import SLOTS, STAGES, Stage, stage_fields, summary_of, type_hints
 from ..transfer import presets
 from .gestures import BINDINGS
 
@@ -29,7 +28,7 @@ def schema() -> dict[str, Any]:
 def _stage(cls: type[Stage]) -> dict[str, Any]:
     """A stage's meaning and its parameters."""
     hints = type_hints(cls)
-    summary = (inspect.getdoc(cls) or "").partition("\n\n")[0].replace("\n", " ").replace("``", "")
+    summary = summary_of(cls).replace("``", "")
     return {"help": summary, "parameters": [_parameter(field, hints[field.name]) for field in stage_fields(cls)]}
 
 
