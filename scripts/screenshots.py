@@ -28,8 +28,7 @@ DATA = Path(os.environ.get("AIRLIGHT_DATA", ROOT.parent / "shared" / "data"))
 DESKTOP, PHONE = (1280, 800), (390, 844)
 CHROMIUM = next((path for path in ("/usr/bin/chromium", "/usr/bin/google-chrome") if Path(path).exists()), None)
 FLAGS = ("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking")
-SETTLED_MS = 3000
-COLOURS = 192
+SETTLED_MS = 4000
 
 
 @dataclass(frozen=True)
@@ -101,11 +100,11 @@ def only(page: Page, panels: tuple[str, ...]) -> None:
 
 
 def taken(page: Page, path: Path) -> None:
-    """Write what is seen, in few colours."""
+    """Write what is seen. Few colours would band surfaces and take the hue of what is small."""
     page.wait_for_timeout(SETTLED_MS)
     picture = Pillow.open(io.BytesIO(page.screenshot())).convert("RGB")
     path.parent.mkdir(parents=True, exist_ok=True)
-    picture.quantize(COLOURS, dither=Pillow.Dither.NONE).save(path, optimize=True)
+    picture.save(path, optimize=True)
     print(f"{path} {path.stat().st_size // 1024} KB")
 
 
