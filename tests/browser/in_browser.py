@@ -28,7 +28,7 @@ def picture_of(page: Any) -> np.ndarray[Any, Any]:
     return np.array(found, dtype=np.uint8)
 
 
-def until(done: Callable[[], Any], seconds: float = 20.0) -> Any:
+def until(done: Callable[[], Any], seconds: float = 60.0) -> Any:
     """Wait until something is neither None nor False, and return it."""
     end = time.monotonic() + seconds
     while (found := done()) is None or found is False:
@@ -41,3 +41,13 @@ def until(done: Callable[[], Any], seconds: float = 20.0) -> Any:
 def session_of(showing: Any) -> Any:
     """The session that was opened last."""
     return next(reversed(showing.viewer.sessions.values()))
+
+
+def rested(session: Any, seconds: float = 0.5) -> Any:
+    """The session, once its page has sent nothing more for a while."""
+    seen, since = -1, time.monotonic()
+    while time.monotonic() - since < seconds:
+        if session.inputs != seen:
+            seen, since = session.inputs, time.monotonic()
+        time.sleep(0.05)
+    return session

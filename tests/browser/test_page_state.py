@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from in_browser import picture_of, session_of, until
+from in_browser import picture_of, rested, session_of, until
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +46,7 @@ def test_a_clip_is_placed_dragged_and_undone(page: Any, session: Any) -> None:
     drag(page, handle.bounding_box(), 70, 0)
     turned = until(lambda: session.document.scene.clips[0].normal != clip.normal and session.document.scene.clips[0])
     assert turned.point == clip.point
+    rested(session)
     page.get_by_role("button", name="Undo").first.click()
     until(lambda: session.document.scene.clips == (clip,))  # one step for the whole drag
     show(page, "Clips").get_by_role("button", name="remove clip 1").click()
@@ -68,7 +69,7 @@ def test_a_reload_keeps_the_state(page: Any, session: Any, showing: Any) -> None
     density = ["scene", "layers", 0, "density"]
     session.receive({"type": "edit", "ops": [{"op": "set", "path": density, "value": 2.5}]})
     until(lambda: session.document.scene.layers[0].density == 2.5)
-    camera, count = session.document.camera, len(showing.viewer.sessions)
+    camera, count = rested(session).document.camera, len(showing.viewer.sessions)
     page.reload()
     page.locator("details.panel").first.wait_for(state="attached")
     until(lambda: bool(picture_of(page).any()))

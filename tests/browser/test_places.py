@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from in_browser import session_of, until
+from in_browser import rested, session_of, until
 
 import airlight as al
 
@@ -116,13 +116,17 @@ def test_slices_show_beside_the_volume_and_move_together(page: Any, showing: Any
     box = shown.get_by_label("the volume is cut at the cross-hair")
     steps = len(session._history.past)
     box.check()
+    until(lambda: len(session._history.past) == steps + 1)
     for part in (0.45, 0.6):
+        clips = session.document.scene.clips
         page.mouse.move(place["x"] + part * place["width"], place["y"] + 0.45 * place["height"])
         page.mouse.down()
         for n in range(8):
             page.mouse.move(place["x"] + (part + 0.01 * n) * place["width"], place["y"] + 0.45 * place["height"])
         page.mouse.up()
-    until(lambda: len(session._history.past) == steps + 3)
+        until(lambda clips=clips: session.document.scene.clips != clips)
+        rested(session)
+    assert len(session._history.past) == steps + 3
     assert len(session.document.scene.clips) == 1
     for _ in range(3):
         session.receive({"type": "undo"})

@@ -165,6 +165,17 @@ def test_an_error_is_told_once_and_the_next_picture_comes(viewer, drawing):
     eventually(lambda: len(watching.of("error")) == 2)
 
 
+def test_what_answers_an_edit_names_it(viewer):
+    watching = Watching(viewer.session())
+    edit = {"op": "set", "path": ["scene", "layers", 0, "density"], "value": 2.0}
+    watching.session.receive({"type": "edit", "id": "a1", "ops": [edit]})
+    assert watching.of("state")[-1]["answers"] == "a1"
+    watching.session.receive({"type": "edit", "id": "a2", "ops": [edit | {"value": "?"}]})
+    assert watching.of("error")[-1]["answers"] == "a2"
+    watching.session.receive({"type": "undo"})
+    assert watching.of("state")[-1]["answers"] == ""
+
+
 def test_what_takes_long_is_told_of(viewer, drawing):
     drawing.takes_s = 0.2
     watching = Watching(viewer.session())

@@ -220,12 +220,12 @@ class Session:
         layers = self.document.scene.layers
         return (name_of(layers[0].volume) if layers else "") or self.viewer.name
 
-    def change(self, document: Document, merge: str = "") -> None:
-        """Show another document, as a step of undo."""
+    def change(self, document: Document, merge: str = "", answers: str = "") -> None:
+        """Show another document, as a step of undo; the state that clients are told names the edit that it ``answers``."""
         with self._lock:
             self._check_own()
             self.habits = self.habits.at_home(self.document, document)
-            self._take(self._history.edited(document, merge))
+            self._take(self._history.edited(document, merge), answers)
 
     def look(self, change: Callable[[Document], Document]) -> None:
         """Change the camera: no step of undo, and clients learn of it with the next picture."""
@@ -253,11 +253,11 @@ class Session:
             self.habits = change(self.habits)
         self.send_state()
 
-    def _take(self, history: History) -> None:
+    def _take(self, history: History, answers: str = "") -> None:
         self._history = history
         self.revision += 1
         self._let_go()
-        self.send_state()
+        self.send_state(answers)
         self._changed()
 
     def _let_go(self) -> None:
@@ -315,10 +315,10 @@ class Session:
         if self.leader is not None:
             raise ValueRangeError("view", "follows another and cannot be changed", "stop following")
 
-    def send_state(self) -> None:
-        """Tell all clients the state."""
+    def send_state(self, answers: str = "") -> None:
+        """Tell all clients the state, and the id of the edit that it answers."""
         history = self._history
-        state = {"type": "state", "rev": self.revision, "document": self.plain(), "name": self.name}
+        state = {"type": "state", "rev": self.revision, "document": self.plain(), "name": self.name, "answers": answers}
         state |= {"can_undo": bool(history.past), "can_redo": bool(history.future), "habits": self.habits.plain()}
         state |= {"following": self.leader is not None, "followers": len(self._followers)}
         self.send(state | {"volumes": {key: _told(volume) for key, volume in self.held.volumes.items()}})
@@ -328,6 +328,7 @@ class Session:
     def receive(self, message: Any, buffers: Sequence[bytes] = (), reply: Send | None = None) -> None:
         """Take a message; answers, and what is wrong with it, go to who sent it: to ``reply``, or to all clients."""
         send = reply or self.send
+        answers = _id_of(message)
         try:
             kind = message.get("type") if isinstance(message, Mapping) else None
             handle = _MESSAGES.get(kind) if isinstance(kind, str) else None
@@ -339,9 +340,10 @@ class Session:
                 self.inputs += kind in INPUTS
                 handle(self, message)
         except AirlightError as error:
-            send({"type": "error"} | told(error), [])
+            send({"type": "error", "answers": answers} | told(error), [])
         except (TypeError, ValueError, KeyError, IndexError, OverflowError, RecursionError, ArithmeticError) as error:
-            send({"type": "error"} | told(ValueRangeError("message", f"is not understood ({error})"[:300])), [])
+            wrong = ValueRangeError("message", f"is not understood ({error})"[:300])
+            send({"type": "error", "answers": answers} | told(wrong), [])
 
     def _hello(self, message: Message) -> None:
         self.size_px = self._given_size(message)
@@ -374,7 +376,7 @@ class Session:
             plain = self.plain()
             document = read_document(applied(plain, message.get("ops")), self.held, plain, self.document)
             document = replace(document, scene=resolve(document.scene, self.size_px))
-            self.change(document, str(message.get("merge") or ""))
+            self.change(document, str(message.get("merge") or ""), _id_of(message))
 
     def _undo(self, message: Message) -> None:
         with self._lock:
@@ -448,6 +450,11 @@ _MESSAGES: dict[str, Callable[[Session, Message], None]] = {
     "ack": Session._ack,
     "ask": Session._ask,
 }
+
+
+def _id_of(message: Any) -> str:
+    """The id by which a client knows its edit again."""
+    return str(message.get("id") or "")[:64] if isinstance(message, Mapping) else ""
 
 
 def _told(volume: Volume) -> dict[str, Any]:

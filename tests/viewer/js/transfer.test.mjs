@@ -162,7 +162,8 @@ test("of edits that come too fast the newest of a stroke is sent, and none of tw
   globalThis.cancelAnimationFrame = clearTimeout;
   const sent = [];
   const listeners = {};
-  const edits = steady({ ops: (ops, merge) => sent.push([ops, merge]), on: (name, listener) => (listeners[name] = listener) });
+  const ops = (ops, merge) => `id${sent.push([ops, merge])}`;
+  const edits = steady({ ops, on: (name, listener) => (listeners[name] = listener) });
   for (let n = 0; n < 5; n++) edits.put(n, "a");
   await new Promise((resolve) => setTimeout(resolve, 10));
   assert.deepEqual(sent, [[4, "a"]]);
@@ -171,13 +172,20 @@ test("of edits that come too fast the newest of a stroke is sent, and none of tw
   assert.equal(sent.length, 1); // the session has not answered
   edits.put(6, "b");
   edits.put(7, "b");
-  listeners.state();
+  listeners.state({ answers: "id1" });
   assert.equal(edits.pending(), true);
-  listeners.state();
+  listeners.state({ answers: "" }); // of something else
+  listeners.state({ answers: "id2" });
   await new Promise((resolve) => setTimeout(resolve, 10));
   assert.deepEqual(sent.slice(1), [[5, "a"], [7, "b"]]);
   edits.flush();
-  listeners.state();
+  listeners.state({ answers: "" });
+  assert.equal(edits.pending(), true); // only what answers it ends the waiting
+  listeners.state({ answers: "id3" });
+  assert.equal(edits.pending(), false);
+  edits.put(8, "c");
+  edits.flush();
+  listeners.welcome({}); // the connection was cut meanwhile
   assert.equal(edits.pending(), false);
   assert.notEqual(stroke("x"), stroke("x"));
 });

@@ -8,6 +8,7 @@ const CUT = { where: "connection", what: "was cut,", remedy: "and is tried again
 export function makeView(model, canvas, overlay) {
   const listeners = new Map();
   const asked = new Map();
+  const stamp = Math.random().toString(36).slice(2, 10);
   let number = 0;
   let state = null;
   let frame = null;
@@ -27,7 +28,12 @@ export function makeView(model, canvas, overlay) {
     frame: () => frame,
     at: (path) => path.reduce((data, key) => data?.[key], state?.document),
     edit: (path, value, merge) => view.ops([{ op: "set", path, value }], merge),
-    ops: (ops, merge) => view.send({ type: "edit", ops, merge }),
+    /** Send an edit; returns its id, which the state or the error that answers it has as `answers`. */
+    ops(ops, merge) {
+      const id = `${stamp}${++number}`;
+      view.send({ type: "edit", id, ops, merge });
+      return id;
+    },
     undo: () => view.send({ type: "undo" }),
     redo: () => view.send({ type: "redo" }),
     habits: () => state?.habits,
@@ -74,7 +80,7 @@ export function makeView(model, canvas, overlay) {
       else waiting?.resolve({ ...message.value, buffers });
     },
     error(message) {
-      if (state) view.tell("state", state); // controls go back to what holds
+      if (state) view.tell("state", { ...state, answers: message.answers }); // controls go back to what holds
       view.tell("error", message);
     },
     progress: (message) => view.tell("progress", message),

@@ -9,32 +9,41 @@ export const stroke = (what) => `${what}:${stamp}${++strokes}`;
 /** Sends edits of a view, the newest of a stroke in place of those that wait: { put(ops, merge), flush(), pending() }. */
 export function steady(view) {
   let waiting = null;
-  let flying = 0; // how many were sent and not answered
+  const flying = new Set(); // ids of those that were sent and not answered
+  let isHeld = false;
   let timer = 0;
   let asked = 0;
   const send = () => {
     asked = 0;
     if (!waiting) return;
-    view.ops(waiting.ops, waiting.merge);
+    flying.add(view.ops(waiting.ops, waiting.merge));
     waiting = null;
-    flying += 1;
+    isHeld = true;
     clearTimeout(timer);
-    timer = setTimeout(() => ((flying = 0), soon()), LONGEST_MS);
+    timer = setTimeout(letGo, LONGEST_MS);
   };
   const soon = () => {
-    if (!flying && waiting && !asked) asked = requestAnimationFrame(send);
+    if (!isHeld && waiting && !asked) asked = requestAnimationFrame(send);
   };
-  const answered = () => {
-    flying = Math.max(0, flying - 1);
-    if (!flying) clearTimeout(timer);
+  const letGo = () => {
+    clearTimeout(timer);
+    isHeld = false;
     soon();
+  };
+  const answered = ({ answers }) => {
+    if (flying.delete(answers) && !flying.size) letGo();
+  };
+  // A session that is met again has lost what was on its way.
+  const lost = () => {
+    flying.clear();
+    letGo();
   };
   const flush = () => {
     cancelAnimationFrame(asked);
     send();
   };
   view.on("state", answered);
-  view.on("error", answered);
+  view.on("welcome", lost);
   return {
     put(ops, merge) {
       if (waiting && waiting.merge !== merge) flush();
@@ -43,6 +52,6 @@ export function steady(view) {
     },
     flush,
     /** Whether the session has not yet told of all that was put. */
-    pending: () => Boolean(waiting) || flying > 0,
+    pending: () => Boolean(waiting) || flying.size > 0,
   };
 }
