@@ -4,8 +4,10 @@
 nearest root of the reconstructed (trilinear) field, in voxels, of all hits at more than 2 degrees; the truth is computed in
 float64 with eigenvalues of the cubics along rays. Of the rays whose first surface is met at more than 2 degrees, *lost* ones
 hit nothing and *later* ones a surface behind it: none where roots are exact. *refining*: the time of frames relative to those
-without refinement. *steps*: bone of the CT head at steps of 5 voxels in blocks against 1.0 and 0.5 without blocks (a plain
-march with the same refinement) and with them: structural similarity (SSIM, Wang et al. 2004) and speed.
+without refinement. *steps*: bone of the CT head at steps of 5 voxels in blocks against 1.0 and 0.5 with the same refinement:
+structural similarity (SSIM, Wang et al. 2004) and speed. *plain*: nothing is skipped, as the bar has it; *leaps*: a march that
+passes over blocks in which nothing is; *blocks*: sampled block by block, too. *fixed*: of the time at 5 voxels, what rays take
+that end where they enter the volume.
 """
 
 from __future__ import annotations
@@ -37,6 +39,8 @@ MOST_COST = 1.25
 LEAST_SSIM = 0.98
 LEAST_SPEED = {1.0: 2.8, 0.5: 5.0}
 BONE = 300.0  # HU
+NOWHERE_BELOW = -1e5  # HU
+WAYS = {"plain": ("none", False), "leaps": ("auto", False), "blocks": ("auto", True)}  # skip, blocks
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -66,7 +70,7 @@ def main(argv: list[str] | None = None) -> int:
         "none left out": all(row["lost"] + row["later"] == 0 for row in hits if row["refine"] == "exact"),
         "refining": all(row["to none"] <= MOST_COST for row in costs),
         "ssim": all(row["SSIM"] >= LEAST_SSIM for row in steps),
-        "speed": all(row["speed"] >= LEAST_SPEED[row["against"]] for row in steps if row["blocks"] == "no"),
+        "speed": all(row["speed"] >= LEAST_SPEED[row["against"]] for row in steps if row["way"] == "plain"),
     }
     print("\n" + ", ".join(f"{name}: {'PASS' if good else 'FAIL'}" for name, good in passed.items()))
     write_json(options.out, about | {"hits": hits, "refining": costs, "steps": steps, "passed": passed})
@@ -95,9 +99,9 @@ def iso_scene(volume: al.Volume, iso: float, view: str, zoom: float = 1.0, **loo
     return al.Scene(volume, transfer=tf, camera=camera, look=drawn, background=(0, 0, 0))
 
 
-def frame_of(device: Device, scene: al.Scene, size: int, step: float, **driver: Any) -> MarchFrame:
+def frame_of(device: Device, scene: al.Scene, size: int, step: float, skip: str = "auto", **driver: Any) -> MarchFrame:
     """Frame that can be drawn again and again."""
-    request = Request((size, size), al.driver.March(**driver), step)
+    request = Request((size, size), al.driver.March(**driver), step, skip)
     return prepare(device, scene, request, lambda: None, lambda *_: None)
 
 
@@ -234,23 +238,28 @@ def refining(device: Device, head: al.Volume, view: str, options: Any) -> list[d
 
 
 def larger_steps(device: Device, head: al.Volume, view: str, options: Any) -> list[dict[str, Any]]:
-    """Steps of 5 voxels in blocks against smaller ones, with blocks and without."""
+    """Steps of 5 voxels in blocks against smaller ones, in three ways."""
     scene = iso_scene(head, BONE, view, zoom=0.6)
-    cases = {"5": (STEP, True)} | {f"{s} {b}": (s, b) for s in LEAST_SPEED for b in (False, True)}
-    frames = {name: frame_of(device, scene, options.size, step, blocks=blocks) for name, (step, blocks) in cases.items()}
+    cases = {f"{step} {way}": (scene, step, way) for step in LEAST_SPEED for way in WAYS} | {"large": (scene, STEP, "blocks")}
+    cases["fixed"] = iso_scene(head, NOWHERE_BELOW, view, zoom=0.6), STEP, "blocks"
+    frames = {
+        name: frame_of(device, drawn, options.size, step, WAYS[way][0], blocks=WAYS[way][1])
+        for name, (drawn, step, way) in cases.items()
+    }
     measured = side_by_side({n: (lambda f=f: draw_frame(f)) for n, f in frames.items()}, options.repeats, warm=2)
-    large, large_time = measured["5"].result, getattr(measured["5"], options.clock)
+    large, large_time = measured["large"].result, getattr(measured["large"], options.clock)
     rows = []
     for step in LEAST_SPEED:
-        for blocks in (False, True):
-            other = measured[f"{step} {blocks}"]
+        for way in WAYS:
+            other = measured[f"{step} {way}"]
             rows.append(
                 {
                     "view": view,
                     "against": step,
-                    "blocks": "yes" if blocks else "no",
+                    "way": way,
                     "samples": float(other.result[2].sum() / large[2].sum()),
                     f"ms at 5 {options.clock}": 1e3 * float(np.median(large_time)),
+                    "fixed": 1e3 * float(np.median(getattr(measured["fixed"], options.clock))),
                     "ms": 1e3 * float(np.median(getattr(other, options.clock))),
                     "speed": ratio(getattr(other, options.clock), large_time)["median"],
                     "SSIM": ssim(grey(large[0]), grey(other.result[0])),

@@ -14,8 +14,8 @@ _EXPORT = re.compile(r"^export (?:async )?(?:function\*?|const|let) (\w+)", re.M
 def bundled(folder: Path, entry: str) -> str:
     """One script of a module and all that it imports, each in a scope of its own, imported ones first.
 
-    Modules import names by lines of ``import { a, b as c } from "./x.js";`` and export functions and constants where they
-    stand. The entry's ``export default`` stays one, at the end.
+    Modules import names by lines of ``import { a, b as c } from "./x.js";``, ``default`` among them, and export functions and
+    constants where they stand. The entry's ``export default`` stays one, at the end.
 
     Parameters
     ----------
@@ -41,7 +41,8 @@ def _body(name: str, text: str) -> str:
     """A module's text as the body of a function that returns what it exports."""
 
     def taken(found: re.Match[str]) -> str:
-        return f"const {{ {found[1].replace(' as ', ': ')} }} = {_scope(_beside(name, found[2]))};\n"
+        names = found[1].replace("default as ", "default_ as ").replace(" as ", ": ")
+        return f"const {{ {names} }} = {_scope(_beside(name, found[2]))};\n"
 
     body = _IMPORT.sub(taken, text)
     names = _EXPORT.findall(body)

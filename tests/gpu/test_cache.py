@@ -5,12 +5,15 @@ from __future__ import annotations
 import gc
 import threading
 import time
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 import wgpu
 
 import airlight as al
+from airlight.gpu import compute
 from airlight.gpu.cache import LEAST_BYTES, Cache, bytes_of, default_limit
 from airlight.gpu.thread import RenderThread
 
@@ -300,3 +303,27 @@ def test_of_a_kind_the_newest_are_kept():
     assert [key for key in cache if key[0] == "table"] == [("table", 4), ("table", 0)]
     assert len(list(cache)) == 7
     assert cache.bytes < before
+
+
+def test_buffers_that_frames_need_now_and_then_stay():
+    """What is given back and taken again leaves holes in the device's memory, which grows for ever where edits make tables."""
+    made: list[int] = []
+
+    def create_buffer(size: int, usage: int) -> SimpleNamespace:
+        made.append(size)
+        return SimpleNamespace(size=size, nbytes=size)
+
+    device: Any = SimpleNamespace(kept=Cache(1 << 30), needed_at={}, gpu=SimpleNamespace(create_buffer=create_buffer))
+
+    def held(asked: int) -> int:
+        device.kept.begin_frame()
+        return compute.buffer(device, "pixels", asked, 0).size
+
+    held(160)
+    for _ in range(compute.PATIENCE_FRAMES):
+        assert held(160000) == held(160) == 160000
+    assert made == [160, 160000]
+    for _ in range(compute.PATIENCE_FRAMES - 1):
+        assert held(160) == 160000
+    assert held(160) == 160, "what nobody has needed for long goes"
+    assert held(161) == 176

@@ -146,3 +146,24 @@ def test_a_picture_is_not_mirrored(renderer):
     assert np.nonzero(back.rgba[..., 3] > 0.5)[1].mean() < 18
     left = renderer.render(al.Scene(al.Volume(np.moveaxis(data, 1, 2).copy()), transfer=tf, camera="left"), (40, 40))
     assert np.nonzero(left.rgba[..., 3] > 0.5)[1].mean() > 22
+
+
+def test_the_rest_of_a_ray_that_ends_early_is_taken_to_look_alike(renderer):
+    """In one medium it does: pixels that are opaque enough have its colour, the others stay as they are."""
+    volume = al.Volume(np.full((12, 12, 12), 50.0, dtype=np.float32))
+    medium = al.TransferFunction([(0, (0.8, 0.4, 0.2), 0.15), (100, (0.8, 0.4, 0.2), 0.15)])
+    camera = cameras(volume)["perspective"]
+    whole, quick = (
+        draw(renderer, volume, camera, tf=medium, shade="none", integrate=integrate)
+        for integrate in (
+            al.integrate.EmissionAbsorption(opaque_at=1.0),
+            al.integrate.EmissionAbsorption(opaque_at=0.7, fills_rest=True),
+        )
+    )
+    ends = whole.rgba[..., 3] >= 0.7
+    assert 0 < ends.mean() < 1
+    assert np.abs(quick.rgba[ends] - [0.8, 0.4, 0.2, 1.0]).max() < 1e-4
+    assert np.array_equal(quick.rgba[~ends], whole.rgba[~ends])
+    look = al.Look(shade="none", integrate=al.integrate.EmissionAbsorption(opaque_at=0.7, fills_rest=True))
+    blob = al.Scene(blobs(), transfer=function(), camera=cameras(blobs())["perspective"], look=look, background=None)
+    assert np.abs(renderer.render(blob, SIZE).rgba - al.reference.render(blob, SIZE).rgba).max() <= LEVEL

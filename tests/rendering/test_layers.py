@@ -269,9 +269,44 @@ def test_samplers_beyond_a_devices_limit_are_refused():
         check_textures(SimpleNamespace(device=device, layers=[None] * 6), program)
 
 
-def test_clips_of_one_layer_alone_are_refused(renderer):
-    with pytest.raises(al.LimitError, match=r"layers\[1\].clips cut this layer and not the others"):
-        renderer.render(scene(large(), small(clips=(al.Clip.sphere(center=(0, 0, 0), radius=9),))), SIZE)
+def own_clips() -> dict[str, al.Clip]:
+    corners = np.array([[6, 8, 5], [16, 9, 6], [9, 17, 6], [10, 11, 16]], dtype=float)
+    return {
+        "sphere": al.Clip.sphere(center=(12, 12, 9), radius=5, keep="outside", capped=True),
+        "plane": al.Clip.plane(point=(12, 11, 10), normal=(1, 0.4, 0.2), capped=True),
+        "front": al.Clip.box(low=(6, 6, 6), high=(14, 15, 13), keep="outside", cuts="front"),
+        "mesh": al.Clip.mesh(al.Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), keep="outside"),
+    }
+
+
+def test_clips_cut_chosen_layers(renderer):
+    """Of each kind, beside one of the scene and a line; each layer has faces and caps of its own, also round the eye."""
+    clips, lit = own_clips(), al.Look(lighting="interpolated")
+    one, other = large(clips=[clips["sphere"], clips["mesh"]], look=lit), small(clips=[clips["front"]], look=lit)
+    pin = al.Lines([[(4, 4, 4), (18, 20, 16)]], width_world=1.0, opacity=0.5)
+    image = compare(renderer, scene(one, other, clips=[clips["plane"]], meshes=[pin]))
+    assert image.stats["clips"] == {"given": 4, "cutting": 4, "capped": 2}
+    cut_away = al.Camera.perspective(eye=(14, 8, 10), target=(10, 12, 12), fov_deg=80)
+    compare(renderer, scene(large(clips=[clips["sphere"]], look=lit), small(look=lit), camera=cut_away), 2.5)
+
+
+def test_surfaces_of_chosen_layers_are_cut(renderer):
+    clips = own_clips()
+    one, other = large(clips=[clips["sphere"]], look=FIRST_HIT), small(clips=[clips["plane"], clips["mesh"]], look=FIRST_HIT)
+    compare(renderer, scene(one, other))
+
+
+def test_a_clip_of_all_layers_is_one_of_the_scene_and_one_alone_leaves_others_whole(renderer):
+    sphere = own_clips()["sphere"]
+    both = scene(large(clips=[sphere]), small(clips=[sphere]))
+    assert np.array_equal(renderer.render(both, SIZE).rgba, renderer.render(scene(large(), small(), clips=[sphere]), SIZE).rgba)
+    far = al.Layer(al.Volume(ball().array, world_from_index=np.eye(4) + 400.0 * np.eye(4, k=3)), RED)
+    cut, alone = scene(large(clips=[sphere]), far), scene(large(), clips=[sphere])
+    assert np.abs(renderer.render(cut, SIZE).rgba - renderer.render(alone, SIZE).rgba).max() <= LEVEL
+    unseen = scene(large(density=0.0, clips=[sphere]), small())
+    assert np.abs(renderer.render(unseen, SIZE).rgba - renderer.render(scene(small()), SIZE).rgba).max() == 0
+    with pytest.raises(al.LimitError, match=r"layer.clips cut some layers alone, which the driver 'slices' cannot"):
+        renderer.render(scene(large(clips=[sphere]), small()), SIZE, driver="slices")
 
 
 def test_scene_files_hold_all_layers(renderer, tmp_path):

@@ -338,10 +338,6 @@ def scene_with_layer(scene: al.Scene) -> al.Scene:
 def test_refused(renderer):
     with pytest.raises(StageError, match="semi-transparent mesh has no place"):
         renderer.render(with_meshes(ball(5.0, opacity=0.5), integrate="mip"), SIZE)
-    scene = with_meshes(ball(5.0))
-    panorama = al.Camera.panorama(eye=tuple(MIDDLE), target=tuple(MIDDLE + np.array([1, 0, 0])))
-    with pytest.raises(StageError, match="draws no meshes"):
-        renderer.render(dataclasses.replace(scene, camera=panorama), SIZE)
     with pytest.raises(StageError, match="keeps surfaces of volumes"):
         renderer.render(with_meshes(ball(5.0), integrate=al.integrate.FirstHit(iso=70.0)), SIZE, keep_hits=True)
     with pytest.raises(DataError, match="holds a Volume"):

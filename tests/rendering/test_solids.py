@@ -193,9 +193,6 @@ def test_limits_and_refusals(renderer):
     for name, most in (("clip_layers", 64), ("mesh_layers", 32)):
         with pytest.raises(ValueRangeError, match=rf"{name} is {most + 1}, must be a whole number in .*{most}]"):
             al.driver.March(**{name: most + 1})
-    panorama = al.Camera.panorama(eye=tuple(MIDDLE), target=at(1, 0, 0))
-    with pytest.raises(StageError, match="camera 'panorama' meets no meshes, and one clips"):
-        renderer.render(dataclasses.replace(clipped(al.Clip.mesh(ring())), camera=panorama), SIZE)
     hidden = clipped(al.Clip.mesh(ring()), visibility=al.visibility.AmbientOcclusion(cells=12, directions=16))
     with pytest.raises(StageError, match="knows nothing of a mesh that cuts rays"):
         renderer.render(hidden, SIZE)

@@ -19,7 +19,8 @@ from still import StillRenderer, wait_for
 import airlight as al
 from airlight.viewer import session as sessions
 from airlight.viewer.document import Document
-from airlight.viewer.server import WEB, application, connected
+from airlight.viewer.front_end import SHEETS, WEB
+from airlight.viewer.server import application, connected
 from airlight.viewer.serving.access import Access, guarded
 from airlight.viewer.serving.framing import packed, unpacked
 from airlight.viewer.serving.limits import Limits, Outbox, Pace
@@ -82,7 +83,7 @@ def test_the_token_moves_to_a_cookie_at_once(client: TestClient, access: Access)
 
 
 @pytest.mark.parametrize(
-    "path", ["/", "/web/app.js", "/?token=", "/?token=x", "/web/app.js?token={token}", "/socket", "/nothing"]
+    "path", ["/", "/web/page.js", "/?token=", "/?token=x", "/web/page.js?token={token}", "/socket", "/nothing"]
 )
 def test_without_the_token_there_is_nothing(client: TestClient, access: Access, path: str) -> None:
     answer = client.get(path.format(token=access.token))
@@ -112,7 +113,7 @@ def test_a_page_that_another_site_led_to_asks_again_itself(client: TestClient) -
     led = {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate"}
     assert client.get("/", headers=led).headers["refresh"] == "0; url=./"
     assert "refresh" not in client.get("/", headers=led | {"sec-fetch-site": "same-origin"}).headers
-    assert "refresh" not in client.get("/web/app.js", headers=led).headers
+    assert "refresh" not in client.get("/web/page.js", headers=led).headers
 
 
 # -- names, pages and methods
@@ -203,7 +204,7 @@ def test_behind_a_prefix(viewer: Viewer, leaves: str) -> None:
     assert moved.headers["location"] == "./"
     assert "Secure" in moved.headers["set-cookie"]
     known = {"cookie": moved.headers["set-cookie"].partition(";")[0]}
-    assert client.get(f"{leaves}/web/app.js", headers=known | lies).status_code == 200
+    assert client.get(f"{leaves}/web/page.js", headers=known | lies).status_code == 200
     inner = {"host": "127.0.0.1:8000", "origin": "https://hub.example.org"}
     with client.websocket_connect(f"{leaves}/socket", headers=known | inner) as socket:
         socket.send_bytes(packed(HELLO))
@@ -226,7 +227,7 @@ def test_the_page_names_nothing_from_elsewhere(client: TestClient, access: Acces
 
 
 def test_what_browsers_are_told(client: TestClient, access: Access) -> None:
-    for answer in (client.get("/"), enter(client, access).get("/"), client.get("/web/app.js"), client.get("/nothing")):
+    for answer in (client.get("/"), enter(client, access).get("/"), client.get("/web/page.js"), client.get("/nothing")):
         policy = answer.headers["content-security-policy"]
         assert policy.startswith("default-src 'none'")
         assert "unsafe" not in policy
@@ -242,18 +243,37 @@ def test_what_browsers_are_told(client: TestClient, access: Access) -> None:
 
 @pytest.mark.parametrize(
     "path",
-    ["../session.py", "%2e%2e/session.py", "..%2fsession.py", "/etc/passwd", "%2fetc%2fpasswd", ".", "", "panels", "app.js%00"],
+    [
+        "../session.py",
+        "%2e%2e/session.py",
+        "..%2fsession.py",
+        "/etc/passwd",
+        "%2fetc%2fpasswd",
+        ".",
+        "",
+        "panels",
+        "app.js",
+        "page.js%00",
+    ],
 )
 def test_only_listed_files(client: TestClient, access: Access, path: str) -> None:
     assert enter(client, access).get(f"/web/{path}").status_code == 404
 
 
-def test_every_listed_file_has_its_kind(client: TestClient, access: Access) -> None:
-    enter(client, access)
-    for path in WEB.rglob("*.js"):
-        answer = client.get(f"/web/{path.relative_to(WEB).as_posix()}")
+def test_the_page_is_three_texts(client: TestClient, access: Access) -> None:
+    """A request for each module would take longer than the page may."""
+    page = enter(client, access).get("/").text
+    told = {"web/page.js": "text/javascript; charset=utf-8", "web/page.css": "text/css; charset=utf-8"}
+    assert set(re.findall(r'(?:src|href)="(web/[^"]*)"', page)) == told.keys()
+    for name, kind in told.items():
+        answer = client.get(f"/{name}")
         assert answer.status_code == 200
-        assert answer.headers["content-type"] == "text/javascript; charset=utf-8"
+        assert answer.headers["content-type"] == kind
+        assert not re.search(r"^import|@import|import\(", answer.text, re.MULTILINE)
+
+
+def test_every_style_sheet_is_in_the_page() -> None:
+    assert sorted(SHEETS) == sorted(path.relative_to(WEB).as_posix() for path in WEB.rglob("*.css"))
 
 
 @pytest.mark.parametrize(

@@ -43,8 +43,10 @@ def test_modules_are_put_together(tmp_path: Path) -> None:
     inner = ['import { one } from "../c.js";', "export const two = one + 1;", "export function f() {}"]
     (tmp_path / "inner" / "b.js").write_text("\n".join([*inner, ""]))
     (tmp_path / "c.js").write_text("export const one = 1;\n")
-    entry = ['import { two as zwei, f } from "./inner/b.js";', 'import { one } from "./c.js";', ""]
-    (tmp_path / "a.js").write_text("\n".join([*entry, "export default { three: zwei + one, f };", ""]))
+    (tmp_path / "d.js").write_text("export default { nothing: 0 };\n")
+    entry = ['import { two as zwei, f } from "./inner/b.js";', 'import { one } from "./c.js";']
+    entry += ['import { default as none } from "./d.js";', "export default { three: zwei + one + none.nothing, f };", ""]
+    (tmp_path / "a.js").write_text("\n".join(entry))
     text = bundled(tmp_path, "a.js")
     assert text.count("const one = 1;") == 1
     assert text.endswith("export default of_a.default_;\n")

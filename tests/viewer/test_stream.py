@@ -181,7 +181,7 @@ def test_what_takes_long_is_told_of(viewer, drawing):
     watching = Watching(viewer.session())
     eventually(lambda: watching.of("frame"))
     told = watching.of("progress")
-    assert (told[0]["what"], told[0]["done"], told[0]["total"]) == ("render, step 1", 1, 10)
+    assert (told[0]["what"], told[0]["done"], told[0]["total"]) == ("drawing, step 1", 1, 10)
     assert told[-1]["done"] == told[-1]["total"]
 
 

@@ -18,6 +18,7 @@ from ..transfer.colour import MOST_COLOUR, Colour
 from ..transfer.given import positive, set_fields, share
 from ..volume import FloatArray, Volume
 from .arrays import array_of, colours_of, digest, frozen, points_of
+from .marks_round import round_bands, round_disks
 from .mesh import Mesh
 
 ROUND = 12  # corners of a point
@@ -66,7 +67,7 @@ class _Marks:
         return self.points.reshape(-1, 3)
 
     def half_width(self, camera: Camera, size_px: tuple[int, int], depth: FloatArray) -> FloatArray:
-        """Half of the width [world] at depths along the view."""
+        """Half of the width [world] at depths along the view, for cameras that look all round at distances."""
         if self.width_px is None:
             assert self.width_world is not None
             return np.full_like(depth, self.width_world / 2)
@@ -158,6 +159,9 @@ class Lines(_Marks):
 
     def mesh(self, camera: Camera, size_px: tuple[int, int]) -> Mesh | None:
         """Two triangles a line that face the image, half a width longer at each end; None where all lies behind the eye."""
+        if camera.looks_round:
+            numbers, bands = round_bands(self.points - camera.eye, lambda away: self.half_width(camera, size_px, away))
+            return _unlit(self, bands + camera.eye, _quads(len(numbers)), numbers)
         seen = _View(camera)
         ends = seen.of(self.points)
         rows, ends = seen.in_front(ends)
@@ -171,8 +175,7 @@ class Lines(_Marks):
         corners = np.repeat(ends, 2, axis=1)
         for number, (end, forth, side) in enumerate(((0, -1, -1), (0, -1, 1), (1, 1, -1), (1, 1, 1))):
             corners[:, number, :2] += half[:, end, None] * (forth * along + side * across)
-        faces = 4 * np.arange(len(rows))[:, None, None] + np.array([[0, 1, 2], [2, 1, 3]])
-        return _unlit(self, seen.back(corners), faces, rows)
+        return _unlit(self, seen.back(corners), _quads(len(rows)), rows)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -214,6 +217,9 @@ class Points(_Marks):
 
     def mesh(self, camera: Camera, size_px: tuple[int, int]) -> Mesh | None:
         """Triangles of a regular polygon a point; None where all lie behind the eye."""
+        if camera.looks_round:
+            disks = round_disks(self.points - camera.eye, lambda away: self.half_width(camera, size_px, away), ROUND)
+            return _unlit(self, disks + camera.eye, _fans(len(disks)), np.arange(len(disks)))
         seen = _View(camera)
         middles = seen.of(self.points)
         rows = np.nonzero(middles[:, 2] > seen.nearest(middles))[0]
@@ -224,9 +230,7 @@ class Points(_Marks):
         angle = 2 * np.pi * np.arange(ROUND) / ROUND
         corners = np.repeat(middles[:, None], ROUND, axis=1)
         corners[..., :2] += half[:, None, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        fan = np.array([[0, k, k + 1] for k in range(1, ROUND - 1)])
-        faces = ROUND * np.arange(len(rows))[:, None, None] + fan
-        return _unlit(self, seen.back(corners), faces, rows)
+        return _unlit(self, seen.back(corners), _fans(len(rows)), rows)
 
 
 class _View:
@@ -260,6 +264,15 @@ class _View:
             share = (near - one[:, 2:]) / (other[:, 2:] - one[:, 2:])
             ends[behind, end] = one + share * (other - one)
         return rows, ends
+
+
+def _quads(count: int) -> npt.NDArray[np.int64]:
+    return np.asarray(4 * np.arange(count)[:, None, None] + np.array([[0, 1, 2], [2, 1, 3]]))
+
+
+def _fans(count: int) -> npt.NDArray[np.int64]:
+    fan = np.array([[0, k, k + 1] for k in range(1, ROUND - 1)])
+    return np.asarray(ROUND * np.arange(count)[:, None, None] + fan)
 
 
 def _unlit(marks: _Marks, corners: FloatArray, faces: npt.NDArray[np.int64], rows: npt.NDArray[np.int64]) -> Mesh:

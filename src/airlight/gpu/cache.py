@@ -48,6 +48,8 @@ class Cache:
     ----------
     bytes
         Bytes that are kept now: of textures and buffers what they hold, of others what ``bytes_of`` takes them for.
+    frame
+        Number of the current frame.
     owner_released
         Called from any thread when an owner is gone, in the midst of anything: it may do no more than wake the render thread,
         which calls ``forget_released``.
@@ -58,7 +60,7 @@ class Cache:
         self.bytes = 0
         self.owner_released: Callable[[], None] = lambda: None
         self._entries: OrderedDict[Key, _Entry] = OrderedDict()
-        self._frame = 0
+        self.frame = 0
 
     def __iter__(self) -> Iterator[Key]:
         """Keys, that of the least recent use first."""
@@ -81,7 +83,7 @@ class Cache:
                     raise
                 value = make()
             references = tuple(weakref.ref(owner, self._released) for owner in owners)
-            self._entries[full] = entry = _Entry(value, LEAST_BYTES + bytes_of(value), references, self._frame)
+            self._entries[full] = entry = _Entry(value, LEAST_BYTES + bytes_of(value), references, self.frame)
             self.bytes += entry.bytes
             self.trim()
         return value
@@ -92,7 +94,7 @@ class Cache:
         entry = self._entries.get(full)
         if entry is None or any(known() is not owner for known, owner in zip(entry.owners, owners, strict=True)):
             return None
-        entry.frame = self._frame
+        entry.frame = self.frame
         self._entries.move_to_end(full)
         return entry.value
 
@@ -104,13 +106,13 @@ class Cache:
 
     def begin_frame(self) -> None:
         """From now on another frame is the current one."""
-        self._frame += 1
+        self.frame += 1
         self.forget_released()
 
     def trim(self, limit_bytes: int | None = None) -> bool:
         """Give up what the current frame has not used, the least recent first, down to a limit. Whether anything went."""
         limit, before = self.limit_bytes if limit_bytes is None else limit_bytes, self.bytes
-        for key in [key for key, entry in self._entries.items() if entry.frame < self._frame]:
+        for key in [key for key, entry in self._entries.items() if entry.frame < self.frame]:
             if self.bytes <= limit:
                 break
             self.drop(key)
@@ -120,7 +122,7 @@ class Cache:
         """Of what is kept under keys that begin with a kind, keep so many, and what the current frame uses."""
         keys = [key for key in self._entries if key[0] == kind]
         for key in keys[: max(0, len(keys) - most)]:
-            if self._entries[key].frame < self._frame:
+            if self._entries[key].frame < self.frame:
                 self.drop(key)
 
     def forget_released(self) -> None:

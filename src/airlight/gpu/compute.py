@@ -16,6 +16,9 @@ from .device import Device
 
 GROUPS = 4
 WRITTEN = ("buffer", "storage_texture")  # kinds of bindings
+ROOMY = 4
+PATIENCE_FRAMES = 1000
+"""So many frames long buffers are kept that are more than so many times as large as what is asked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,12 +200,19 @@ def read_into(device: Device, parts: Sequence[tuple[Any, npt.NDArray[Any]]]) -> 
 
 
 def buffer(device: Device, name: Hashable, size: int, usage: int) -> Any:
-    """Buffer of at least a size, kept by name for the next frame."""
-    key = ("buffer", name)
-    found = device.kept.find(key)
-    if found is not None and not size <= found.size <= 4 * size:
-        device.kept.drop(key)
-    return device.kept.get(key, lambda: device.gpu.create_buffer(size=-(-size // 16) * 16, usage=usage))
+    """Buffer of at least a size, kept by name for the next frame.
+
+    Frames of a view that moves and rests need much and little in turn. One that is far too large is kept for a while all the
+    same: buffers that are given back and taken again between the tables of edits leave holes in the device's memory.
+    """
+    key, kept = ("buffer", name), device.kept
+    found = kept.find(key)
+    if found is None or found.size <= ROOMY * size:
+        device.needed_at[name] = kept.frame
+    if found is not None and (found.size < size or kept.frame - device.needed_at[name] > PATIENCE_FRAMES):
+        kept.drop(key)
+        device.needed_at[name] = kept.frame
+    return kept.get(key, lambda: device.gpu.create_buffer(size=-(-size // 16) * 16, usage=usage))
 
 
 def storage_buffer(device: Device, name: Hashable, size: int) -> Any:

@@ -6,6 +6,7 @@ import contextlib
 import os
 import sys
 import tempfile
+from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -62,7 +63,13 @@ class DeviceInfo:
 
 
 class Device:
-    """An opened device with what follows from its adapter. Owned and used by the render thread alone."""
+    """An opened device with what follows from its adapter. Owned and used by the render thread alone.
+
+    Attributes
+    ----------
+    needed_at
+        The last frame that needed most of a buffer, by the buffer's name.
+    """
 
     def __init__(self, adapter: Any, info: DeviceInfo, core: bool, keep_bytes: int | None = None) -> None:
         self.info = info
@@ -77,6 +84,7 @@ class Device:
         self.features = frozenset(features)
         self.core = core
         self.kept = Cache(default_limit(info.kind, adapter.limits) if keep_bytes is None else keep_bytes)
+        self.needed_at: dict[Hashable, int] = {}
 
     @property
     def limits(self) -> dict[str, int]:

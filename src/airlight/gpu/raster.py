@@ -50,11 +50,12 @@ class Targets:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A mesh with the pipeline that draws it, and what is bound to that."""
+    """A mesh with the pipeline that draws it, and what is bound to that; in boxes it draws two for each triangle."""
 
     triangles: Triangles
     pipeline: Pipeline
     groups: list[Any]
+    in_boxes: bool
 
 
 def upload_triangles(
@@ -119,19 +120,25 @@ def _target(device: Device, size_px: tuple[int, int], texel_format: str) -> Any:
 
 
 def _pipeline(
-    device: Device, program: Program, entry: str, target: str | None, compare: str | None, cull: str = "none"
+    device: Device,
+    program: Program,
+    entry: str,
+    target: str | None,
+    compare: str | None,
+    cull: str = "none",
+    buffers: Sequence[Any] = (CORNER,),
 ) -> Pipeline:
     """Compile a program that draws triangles, or return it from the cache.
 
     ``entry`` is that of pixels, ``target`` the format of the texture that they are drawn into, if any. ``compare`` tells which
-    depths win; ``always`` makes no use of them, and None is for passes that have none.
+    depths win; ``always`` makes no use of them, and None is for passes that have none. ``buffers`` hold the corners.
     """
     depths = {"format": DEPTH_FORMAT, "depth_write_enabled": compare != "always", "depth_compare": compare}
 
     def make(module: Any, layout: Any) -> Any:
         return device.gpu.create_render_pipeline(
             layout=layout,
-            vertex={"module": module, "entry_point": "at_corner", "buffers": [CORNER]},
+            vertex={"module": module, "entry_point": "at_corner", "buffers": list(buffers)},
             primitive={"topology": "triangle-list", "front_face": "ccw", "cull_mode": cull},
             fragment={"module": module, "entry_point": entry, "targets": [] if target is None else [{"format": target}]},
             **({} if compare is None else {"depth_stencil": depths}),
@@ -143,17 +150,20 @@ def _pipeline(
     return found
 
 
-def render_pipeline(device: Device, program: Program) -> Pipeline:
+def render_pipeline(device: Device, program: Program, in_boxes: bool) -> Pipeline:
     """Compile a program that draws triangles with depths that fall from the eye on, or return it from the cache.
+
+    ``in_boxes``: it finds their corners itself.
 
     Raises
     ------
     ShaderError
         With file and line of the WGSL at fault, and the compiler's words.
     """
+    buffers = () if in_boxes else (CORNER,)
     if "fragments" in program.key.outputs:  # what is gathered is written into buffers
-        return _pipeline(device, program, "nearest", None, "always")
-    return _pipeline(device, program, "nearest", FOUND_FORMAT, "greater")
+        return _pipeline(device, program, "nearest", None, "always", buffers=buffers)
+    return _pipeline(device, program, "nearest", FOUND_FORMAT, "greater", buffers=buffers)
 
 
 def sweep_pipeline(device: Device, program: Program, target: str | None = None) -> Pipeline:
@@ -257,9 +267,9 @@ def _extremes_of(device: Device, size_px: tuple[int, int]) -> Extremes:
     return Extremes((pair[0], pair[1]), 16 * size_px[0] * size_px[1])
 
 
-def bound(device: Device, pipeline: Pipeline, triangles: Triangles, resources: Mapping[str, Any]) -> Drawn:
+def bound(device: Device, pipeline: Pipeline, triangles: Triangles, resources: Mapping[str, Any], in_boxes: bool) -> Drawn:
     """Mesh with the resources of a pipeline."""
-    return Drawn(triangles, pipeline, bind_groups(device, pipeline, resources))
+    return Drawn(triangles, pipeline, bind_groups(device, pipeline, resources), in_boxes)
 
 
 def draw(device: Device, found: Any, depth: Any, meshes: Sequence[Drawn]) -> None:
@@ -280,6 +290,9 @@ def draw(device: Device, found: Any, depth: Any, meshes: Sequence[Drawn]) -> Non
         pass_.set_pipeline(mesh.pipeline.pipeline)
         for number, group in enumerate(mesh.groups):
             pass_.set_bind_group(number, group)
+        if mesh.in_boxes:
+            pass_.draw(2 * mesh.triangles.count)
+            continue
         pass_.set_vertex_buffer(0, mesh.triangles.corners)
         pass_.set_index_buffer(mesh.triangles.numbers, "uint32")
         pass_.draw_indexed(mesh.triangles.count)

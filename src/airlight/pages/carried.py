@@ -136,7 +136,7 @@ class Carried:
         if binding.name == "clips":
             world_from_device = np.eye(4)
             world_from_device[:3, 3] = self.frame.anchor_world
-            return {"kind": "bytes", "bytes": in_text(pack_clips(self.frame.clips, world_from_device, ()))}
+            return {"kind": "bytes", "bytes": in_text(pack_clips(self.frame.clip_groups, world_from_device, ()))}
         return {"kind": {"uniforms": "uniforms", "radiance": "radiance", "depth": "depth"}.get(binding.name, binding.kind)}
 
     def uniform_bytes(self) -> bytes:

@@ -14,6 +14,7 @@ from ..geometry import Lines, Mesh, Points
 from ..scene import Scene
 from ..stage import make_stage
 from ..volume import FloatArray
+from .camera import pixel_width
 from .clips import NOWHERE, Piece, kept_along
 from .integrate import Accumulated
 from .intersections import intersections
@@ -152,6 +153,8 @@ def surface_setup(setup: Setup) -> Setup:
 def _line(shape: Lines, setup: Setup, ends: FloatArray, origin: FloatArray, direction: FloatArray) -> FloatArray:
     """Distances (n,) at which rays meet a line's band: as wide at each end as it tells there, and half of that longer."""
     camera: Any = setup.camera
+    if camera.looks_round:
+        return _round_line(shape, setup, ends, origin, direction)
     right, up, forward = camera.basis()
     depth = (ends - np.array(camera.eye)) @ forward
     near = 1e-6 * depth.max() if camera.name == "perspective" else 0.0
@@ -180,10 +183,32 @@ def _line(shape: Lines, setup: Setup, ends: FloatArray, origin: FloatArray, dire
     return np.where(inside, t_world, np.inf)
 
 
+def _round_line(shape: Lines, setup: Setup, ends: FloatArray, origin: FloatArray, direction: FloatArray) -> FloatArray:
+    """The same for cameras that look all round, where widths are those at distances from the eye."""
+    camera: Any = setup.camera
+    eye = np.array(camera.eye)
+    across = np.cross(*(ends - eye))
+    across /= np.linalg.norm(across)
+    away = np.linalg.norm(ends - eye, axis=1)
+    along = np.cross(across, (ends - eye) / away[:, None])
+    ends = ends + np.array([[-1.0], [1.0]]) * _half_width(shape, setup, away)[:, None] * along
+    t_world = _plane(np.cross(ends[1] - ends[0], across), ends[0], origin, direction)
+    met = origin + np.where(np.isfinite(t_world), t_world, 0.0)[:, None] * direction
+    share = ((met - ends[0]) @ (ends[1] - ends[0])) / ((ends[1] - ends[0]) @ (ends[1] - ends[0]))
+    half = _half_width(shape, setup, np.linalg.norm(ends[0] + share[:, None] * (ends[1] - ends[0]) - eye, axis=1))
+    inside = (share >= 0) & (share <= 1) & (np.abs((met - ends[0]) @ across) <= half)
+    return np.where(inside, t_world, np.inf)
+
+
 def _point(shape: Points, setup: Setup, middle: FloatArray, origin: FloatArray, direction: FloatArray) -> FloatArray:
     """Distances (n,) at which rays meet a regular polygon of twelve corners that faces the image."""
     camera: Any = setup.camera
     right, up, forward = camera.basis()
+    if camera.looks_round:
+        forward = (middle - camera.eye) / np.linalg.norm(middle - camera.eye)
+        right = np.cross(forward, np.eye(3)[np.abs(forward).argmin()])
+        right /= np.linalg.norm(right)
+        up = np.cross(forward, right)
     depth = np.array([(middle - np.array(camera.eye)) @ forward])
     if depth[0] <= 0:
         return np.full(len(origin), np.inf)
@@ -204,6 +229,8 @@ def _half_width(shape: Lines | Points, setup: Setup, depth: FloatArray) -> Float
     camera: Any = setup.camera
     if camera.name == "orthographic":
         return np.full_like(depth, shape.width_px / 2 * camera.height / setup.size_px[1])
+    if camera.looks_round:
+        return shape.width_px / 2 * pixel_width(camera, setup.size_px, depth)
     return np.asarray(shape.width_px * depth * math.tan(math.radians(camera.fov_deg) / 2) / setup.size_px[1])
 
 

@@ -100,7 +100,11 @@ class EmissionAbsorption(Integrate):
         passes = np.nonzero((before < 0.5) & (after >= 0.5))[0]
         share = opacity_share(self.setup, slab, passes, 1 - 0.5 / (1 - before[passes]))
         acc.t_world[rays[passes]] = slab.front.t_world[passes] + share * slab.length[passes]
-        return np.asarray(after >= self.stage.opaque_at)
+        ends = np.asarray(after >= self.stage.opaque_at)
+        if self.stage.fills_rest:
+            acc.rgb[rays[ends]] /= after[ends, None]
+            acc.alpha[rays[ends]] = 1.0
+        return ends
 
 
 class Extreme(Integrate):

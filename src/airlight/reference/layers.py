@@ -11,7 +11,7 @@ import numpy as np
 from ..stage import make_stage
 from ..stages.driver import gains_from_curvature
 from ..volume import FloatArray
-from .clips import Faces, Piece, caps, lit_behind, lit_faces, pieces
+from .clips import NOWHERE, Faces, Piece, caps, lit_behind, lit_faces, pieces
 from .covers import Covers, over, parts_of, put_before
 from .field import field_value
 from .integrate import INTEGRATES, Accumulated
@@ -39,7 +39,8 @@ def march_layers(
 
     Of surfaces that end rays the nearest is seen.
 
-    All are sampled at distances ``(k + fraction) * step_world``, and where one of them begins or ends: there slabs are cut.
+    All are sampled at distances ``(k + fraction) * step_world``, and where one of them begins or ends, as clips keep it: there
+    slabs are cut.
     """
     if INTEGRATES[setups[0].stages["integrate"].name].has_surface:
         found = [march(s, origin, direction, step_world, fraction, curved, refine, False, covers) for s in setups]
@@ -54,21 +55,24 @@ def march_layers(
     taken_covers = np.zeros((0, 0) if covers is None else covers.t_world.shape, dtype=bool)
     spans = [span(setup, origin, direction) for setup in setups]
     spans = [(np.where(leave > enter, enter, 0.0), np.where(leave > enter, leave, 0.0)) for enter, leave in spans]
+    kept = [list(pieces(setup.clips, origin, direction, *ends)) for setup, ends in zip(setups, spans, strict=True)]
+    held = [_piece_at(cut, spans[0][0]) for cut in kept]
 
     def sample(number: int, rays: IntArray, t_world: FloatArray) -> Sample:
-        """Samples of a layer, of which rays see the part between where they enter and leave it."""
-        enter, leave = spans[number]
-        t_held = np.clip(t_world, enter[rays], leave[rays])
+        """Samples of a layer, of which rays see a part."""
+        part = held[number]
+        t_held = np.clip(t_world, part.begin[rays], part.end[rays])
         p_world = origin[rays] + t_held[:, None] * direction[rays]
         p_index = setups[number].index_of(p_world)
         return Sample(*field_value(setups[number], p_index), p_index, p_world, t_held)
 
-    def cap(rays: IntArray, t_world: FloatArray, numbers: IntArray) -> None:
-        """Take the solid faces of a cut: their mean, where several layers are solid."""
+    def cap(rays: IntArray, t_world: FloatArray, end: str, by: str) -> None:
+        """Take the solid faces of what is cut here: their mean, where several layers are solid."""
         rgb, count = np.zeros((len(origin), 3)), np.zeros(len(origin))
         for number, setup in enumerate(setups):
             here = sample(number, rays, t_world)
-            rows, slab = caps(setup, here, np.where(here.t_world == t_world, numbers, -1), -direction[rays])
+            is_here = (here.t_world == t_world) & (getattr(held[number], end)[rays] == t_world)
+            rows, slab = caps(setup, here, np.where(is_here, getattr(held[number], by)[rays], NOWHERE), -direction[rays])
             rgb[rays[rows]] += slab.rgb
             count[rays[rows]] += 1
         rows = rays[count[rays] > 0]
@@ -78,21 +82,25 @@ def march_layers(
             acc, rows, Slab(rgb, np.ones(len(rows)), rgb / 2, np.ones(len(rows)) / 2, at, at, 0 * at.t_world)
         )
 
-    # Go from the first layer to the last, piece by piece as clips keep them, from border to border of the layers.
+    # Go from the first layer to the last, from border to border of what is kept of them.
     met = [leave > enter for enter, leave in spans]
     t_enter = np.min([np.where(m, enter, np.inf) for m, (enter, _) in zip(met, spans, strict=True)], axis=0)
     t_enter = np.where(np.isfinite(t_enter), t_enter, 0.0)
     t_leave = np.max([leave for _, leave in spans], axis=0)
     if covers is not None:
         t_leave = np.minimum(t_leave, covers.opaque_at)
-    for piece, part in parts_of(covers if ordered else None, pieces(setups[0].clips, origin, direction, t_enter, t_leave)):
+    nowhere = np.full(len(origin), NOWHERE)
+    whole = Piece(t_enter, np.maximum(t_enter, t_leave), nowhere, nowhere)
+    for _, part in parts_of(covers if ordered else None, [whole]):
         if covers is not None and ordered:
             put_before(covers, taken_covers, acc, part.begin, (part.end > part.begin) & ~ended)
-        rays = np.nonzero((part.end > part.begin) & ~ended)[0]
-        cap(rays, part.begin[rays], part.near[rays])
-        faces = _faces(setups, sample, piece, direction)
-        for begin, end in _between_borders(spans, part):
+        for begin, end in _between_borders(kept, part):
+            held[:] = [_piece_at(cut, (begin + end) / 2) for cut in kept]
             rays = np.nonzero((end > begin) & ~ended)[0]
+            cap(rays, begin[rays], "begin", "near")
+            faces = _faces(setups, sample, held, direction)
+            started = np.nonzero((end > begin) & ~ended)[0]
+            rays = started
             t_front = begin[rays]
             fronts = befores = [sample(number, rays, t_front) for number in range(len(setups))]
             k = np.floor(begin / step - shift) + 1
@@ -119,8 +127,8 @@ def march_layers(
                 going = ~stopped & (t_back < end[rays])
                 rays, t_front = rays[going], t_back[going]
                 fronts, befores = [back[going] for back in backs], [here[going] for here in heres]
-        rays = np.nonzero((part.end > part.begin) & ~ended)[0]
-        cap(rays, part.end[rays], part.far[rays])
+            rays = started[~ended[started]]
+            cap(rays, end[rays], "end", "far")
     if covers is None or not ordered:
         return integrate.finish(acc) if covers is None else over(covers, integrate.finish(acc), False)
     put_before(covers, taken_covers, acc, np.full(len(origin), np.inf), np.ones(len(origin), dtype=bool))
@@ -135,21 +143,32 @@ def _nearest(found: Sequence[Accumulated]) -> Accumulated:
     return Accumulated(**parts)
 
 
-def _between_borders(spans: list[tuple[FloatArray, FloatArray]], part: Piece) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Parts of rays between the distances (n,) at which layers begin and end; ``end <= begin`` is none."""
+def _between_borders(kept: list[list[Piece]], part: Piece) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Parts of rays between the distances (n,) at which pieces of layers begin and end; ``end <= begin`` is none."""
     low, high = part.begin, np.maximum(part.begin, part.end)
-    stops = np.sort([low, high, *(np.clip(t, low, high) for ends in spans for t in ends)], axis=0)
+    borders = [t for cut in kept for piece in cut for t in (piece.begin, piece.end)]
+    stops = np.sort([low, high, *(np.clip(t, low, high) for t in borders)], axis=0)
     yield from pairwise(stops)
 
 
-def _faces(setups: Sequence[Setup], sample: object, piece: Piece, direction: FloatArray) -> list[Faces]:
-    """How the cut at which a piece begins is lit in each layer that it goes through."""
+def _piece_at(kept: list[Piece], t_world: FloatArray) -> Piece:
+    """The piece of each ray that holds a distance (n,); one at the eye, without length, where none does."""
+    begin, end = np.zeros_like(t_world), np.zeros_like(t_world)
+    near, far = np.full(len(t_world), NOWHERE), np.full(len(t_world), NOWHERE)
+    for piece in kept:
+        holds = (piece.begin < t_world) & (t_world < piece.end)
+        begin, end = np.where(holds, piece.begin, begin), np.where(holds, piece.end, end)
+        near, far = np.where(holds, piece.near, near), np.where(holds, piece.far, far)
+    return Piece(begin, end, near, far)
+
+
+def _faces(setups: Sequence[Setup], sample: object, held: Sequence[Piece], direction: FloatArray) -> list[Faces]:
+    """How the cut at which its part begins is lit in each layer."""
     rays = np.arange(len(direction))
     found = []
-    for number, setup in enumerate(setups):
-        cut = sample(number, rays, piece.begin)  # type: ignore[operator]
-        faces = lit_faces(setup, cut, np.where(cut.t_world == piece.begin, piece.near, -1), -direction)
-        found.append(replace(faces, t_world=piece.begin))
+    for number, (setup, part) in enumerate(zip(setups, held, strict=True)):
+        cut = sample(number, rays, part.begin)  # type: ignore[operator]
+        found.append(replace(lit_faces(setup, cut, part.near, -direction), t_world=part.begin))
     return found
 
 

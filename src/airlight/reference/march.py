@@ -11,7 +11,7 @@ from ..stages.driver import gains_from_curvature
 from ..transfer import Channels, TransferFunction
 from ..transfer.regions import ByRegion
 from ..volume import FloatArray
-from .blocks import next_stop
+from .blocks import longest_piece, next_stop
 from .channels import parts
 from .clips import caps, lit_behind, lit_faces, pieces
 from .covers import Covers, over, parts_of, put_before
@@ -87,13 +87,14 @@ def march(
         faces = lit_faces(setup, sample(np.arange(len(origin)), piece.begin), piece.near, -direction)
 
         while rays.size:
-            # Go to the next sample of the lattice, to the next block (for exact roots the next cell), or to where it leaves.
+            # Go to the next sample of the lattice, of a block (for exact roots to the next cell), or to where it leaves.
             t_lattice = t_next = (k[rays] + shift[rays]) * step[rays]
             by_cells = integrate.has_surface and blocks and refine == "exact"
             if by_cells:
-                t_next = next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world, voxels=1, pieces=1)
+                t_next = next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world, voxels=1)
             elif by_blocks:
-                t_next = np.minimum(t_lattice, next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world))
+                longest = longest_piece(line[1][rays], step[rays])
+                t_next = next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world, longest)
             back = sample(rays, np.minimum(t_next, t_leave[rays]))
             if by_cells:
                 back = _next_side(integrate.level, sample, rays, line, front, back)

@@ -15,11 +15,28 @@ from ..volume import FloatArray, Volume, domain_index
 
 NUMBERS = {kind: number for number, kind in enumerate(KINDS)}
 ALL, SOME, NOTHING = "all", "some", "nothing"
+BEYOND = 1e30  # the distance [world] of a plane that keeps everything
 
 
-def cutting_clips(scene: Scene, layers: Sequence[Layer]) -> tuple[Clip, ...]:
-    """Clips, which are those of each of the layers, that do not keep all of their domains."""
-    return tuple(clip for clip in scene.clips_of(layers[0]) if any(kept_of(clip, layer) != ALL for layer in layers))
+def cutting_clips(scene: Scene, layers: Sequence[Layer]) -> tuple[tuple[Clip, ...], ...]:
+    """Clips that do not keep all of what they cut: those of all layers, and where some cut one alone, those of each."""
+    groups = clip_groups(scene, layers)
+    shared = tuple(clip for clip in groups[0] if any(kept_of(clip, layer) != ALL for layer in layers))
+    own = tuple(
+        tuple(clip for clip in group if kept_of(clip, layer) != ALL) for group, layer in zip(groups[1:], layers, strict=True)
+    )
+    return (shared, *own) if any(own) else (shared,)
+
+
+def clip_groups(scene: Scene, layers: Sequence[Layer]) -> tuple[tuple[Clip, ...], ...]:
+    """Clips with which the lists of all layers begin, and then what is left of each list."""
+    lists = [scene.clips_of(layer) for layer in layers]
+    same = 0
+    for those in zip(*lists, strict=False):
+        if any(clip != those[0] for clip in those):
+            break
+        same += 1
+    return (lists[0][:same], *(clips[same:] for clips in lists))
 
 
 def nothing_left(scene: Scene) -> str:
@@ -80,20 +97,30 @@ def _beyond(clip: Clip, volume: Volume, cells: bool) -> bool:
     return bool(((middle - reach > high) | (middle + reach < low)).any())
 
 
-def pack_clips(clips: tuple[Clip, ...], world_from_device: FloatArray, solids: tuple[Solid, ...] = ()) -> bytes:
-    """Bytes of the array of clips, in coordinates that a matrix (4, 4) maps to the world.
+def pack_clips(groups: Sequence[tuple[Clip, ...]], world_from_device: FloatArray, solids: tuple[Solid, ...] = ()) -> bytes:
+    """Bytes of the array of clips, group by group, in coordinates that a matrix (4, 4) maps to the world.
 
-    Meshes are there by their number among ``solids``: what they keep is found pixel by pixel.
+    Meshes are there by their number among ``solids``: what they keep is found pixel by pixel. A group without a clip has one
+    that keeps everything.
     """
     struct = class_struct(ClipRecord, "ClipRecord")
-    records = np.zeros(len(clips), dtype=struct.dtype)
-    for record, clip in zip(records, clips, strict=True):
-        unit = np.eye(3, 4) if isinstance(clip, Solid) else clip.unit_from_world @ world_from_device
-        x, y, z = (tuple(row) for row in unit)
-        keeps, cuts = clip.keep == "inside", CUTS.index(clip.cuts)
-        number = solids.index(clip) if clip in solids else 0
-        fill(record, struct, ClipRecord(x, y, z, NUMBERS[clip.kind], keeps, clip.capped, cuts, number, len(clips)))
+    firsts = first_clips(groups)
+    records = np.zeros(firsts[-1], dtype=struct.dtype)
+    for group, first, end in zip(groups, firsts, firsts[1:], strict=False):
+        if not group:
+            fill(records[first], struct, ClipRecord(x=(1.0, 0.0, 0.0, BEYOND), kind=NUMBERS["plane"], end=end))
+        for record, clip in zip(records[first:end], group, strict=False):
+            unit = np.eye(3, 4) if isinstance(clip, Solid) else clip.unit_from_world @ world_from_device
+            x, y, z = (tuple(row) for row in unit)
+            keeps, cuts = clip.keep == "inside", CUTS.index(clip.cuts)
+            number = solids.index(clip) if clip in solids else 0
+            fill(record, struct, ClipRecord(x, y, z, NUMBERS[clip.kind], keeps, clip.capped, cuts, number, end))
     return records.tobytes()
+
+
+def first_clips(groups: Sequence[tuple[Clip, ...]]) -> list[int]:
+    """Where groups begin in the array of clips, and where it ends."""
+    return [sum(max(1, len(group)) for group in groups[:number]) for number in range(len(groups) + 1)]
 
 
 def clip_statistics(scene: Scene, clips: tuple[Clip, ...], draws_caps: bool, is_nothing: bool) -> dict[str, Any]:
@@ -101,7 +128,7 @@ def clip_statistics(scene: Scene, clips: tuple[Clip, ...], draws_caps: bool, is_
 
     And why nothing is seen, where nothing was looked at.
     """
-    given = max((len(scene.clips_of(layer)) for layer in scene.visible_layers), default=0)
+    given = sum(len(group) for group in clip_groups(scene, scene.visible_layers)) if scene.visible_layers else 0
     if not given:
         return {}
     told: dict[str, Any] = {"given": given, "cutting": len(clips), "capped": sum(clip.capped for clip in clips) * draws_caps}

@@ -25,7 +25,7 @@ from ..stage import Stage
 from ..stages.shade import BlinnPhong, Shade
 from ..stages.visibility import NoOcclusion
 from ..volume import FloatArray
-from .rasterised import Rasterised, has_projection, parts_of, tiles_of
+from .rasterised import Rasterised, meets_meshes, parts_of, tiles_of
 from .resources import DrawnLayer, bound_resources, write_lights
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ class _Shown:
     def _draw_opaque(self, tile: Tile, targets: raster.Targets) -> None:
         numbers = [n for n, mesh in enumerate(self.covers.meshes) if mesh.opaque]
         part, program = self._part(tile), self.programs["found"]
-        raster.draw(self.frame.device, targets.found, targets.opaque, self.drawn.bound("passes/raster.wgsl", numbers, part, {}))
+        raster.draw(self.frame.device, targets.found, targets.opaque, self.drawn.bound("raster", numbers, part, {}))
         for n in numbers:
             uniforms = self.drawn.packed(program, part, f"uniforms of mesh {n}", mesh=self.drawn.uniforms(n))
             self.drawn.resolved(program, tile, n, {**self.bound, "uniforms": uniforms, "triangles": targets.found})
@@ -196,9 +196,9 @@ def check_covers(frame: MarchFrame) -> None:
     if not frame.given.meshes:
         return
     camera, integrate = frame.scene_stages["camera"], frame.scene_stages["integrate"]
-    if not has_projection(camera):
+    if not meets_meshes(camera):
         raise StageError(
-            f"camera {camera.name!r}", "draws no meshes", "use perspective, orthographic or stereo, or leave them out"
+            f"camera {camera.name!r}", "draws no meshes: it tells neither clip_place nor seen_within", "leave them out"
         )
     if frame.keeps_hits or frame.found is not None:
         raise StageError("keep_hits", "keeps surfaces of volumes, not meshes", "leave them out, and grids, axes and pointers")

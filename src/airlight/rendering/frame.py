@@ -227,10 +227,13 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
     skips, keeps = request.skip != "none", request.keep_hits
     sharpens = sharpens_surfaces(request.driver) and len(visible) == 1
     clips = cutting_clips(scene, visible)
+    clips_of = [clips[0] + own for own in clips[1:]] or [clips[0]] * len(visible)
     check_pictures(scene, request.driver)
     slab_world = way_of(request.driver).longest(request.driver, visible, scene, request.size_px, step_world)
-    told = {"camera": scene.camera, "clips": clips, "progress": progress, "lights": scene.lights}
-    contexts = [context_of(layer, slab_world, request.size_px, **told) for layer in visible]
+    told = {"camera": scene.camera, "progress": progress, "lights": scene.lights}
+    contexts = [
+        context_of(layer, slab_world, request.size_px, clips=own, **told) for layer, own in zip(visible, clips_of, strict=True)
+    ]
     layers = tuple(
         drawn_layer(layer, context, skips, keeps, sharpens, request.converges)
         for layer, context in zip(visible, contexts, strict=True)
@@ -258,7 +261,7 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
         check=check,
         progress=progress,
         keeps_hits=request.keep_hits,
-        clips=clips,
+        clip_groups=clips,
         passes=request.passes,
     )
     if request.keep_hits:

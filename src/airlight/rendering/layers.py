@@ -10,6 +10,7 @@ from ..scene import Layer, Scene
 from ..shader.program import Program
 from ..stage import Context, Stage
 from ..stages.driver import Driver
+from ..stages.driver_slices import SliceDriver
 from .resources import TEXTURES
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ def checked_layers(scene: Scene) -> tuple[Layer, ...]:
     Raises
     ------
     LimitError
-        When there are more than one march takes, or clips cut some of them alone.
+        When there are more than one march takes.
     StageError
         When they ask for different stages where a ray has one.
     """
@@ -42,8 +43,6 @@ def checked_layers(scene: Scene) -> tuple[Layer, ...]:
                     f"is {mine.name} {mine}" if mine.name == others.name else f"is {mine.name}, that of another {others.name}"
                 )
                 raise StageError(f"{where}.look.{slot}", f"{found}; a ray has one", "give all layers the same")
-        if layer.clips != first.clips:
-            raise LimitError(f"{where}.clips", "cut this layer and not the others, which is not there yet", "use scene.clips")
     return drawn
 
 
@@ -83,7 +82,7 @@ def check_layers(frame: MarchFrame) -> None:
     StageError
         For what shows one value of a ray, and for light that is dimmed by one volume.
     LimitError
-        When surfaces are to be kept.
+        When surfaces are to be kept, and where clips of some layers meet slices.
     """
     if len(frame.layers) == 1:
         return
@@ -94,6 +93,10 @@ def check_layers(frame: MarchFrame) -> None:
     if visibility.name != "none" and not getattr(visibility, "of_all_layers", False):
         what = f"dims light by one volume, and {len(frame.layers)} layers are visible"
         raise StageError(f"look.visibility {visibility.name!r}", what, "use none, or hide the others")
+    driver = frame.scene_stages["driver"]
+    if len(frame.clip_groups) > 1 and isinstance(driver, SliceDriver):
+        what = f"cut some layers alone, which the driver {driver.name!r} cannot"
+        raise LimitError("layer.clips", what, "use driver='march', or scene.clips for all layers")
     if frame.keeps_hits:
         raise LimitError("keep_hits", f"keeps surfaces of one layer, and {len(frame.layers)} are visible", "hide the others")
 

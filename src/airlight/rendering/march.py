@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
@@ -42,7 +42,7 @@ from ..stages.transfer import Transfer
 from ..transfer import TransferFunction
 from ..volume import FloatArray
 from .bounding import reaches
-from .clips import pack_clips
+from .clips import first_clips, pack_clips
 from .covers import Covers
 from .hits import HIT_BYTES, Hits
 from .layers import check_layers, check_textures
@@ -99,7 +99,7 @@ class MarchFrame:
     measured: dict[str, float] = field(default_factory=dict)
     keeps_hits: bool = False
     found: Hits | None = None
-    clips: tuple[Clip, ...] = ()
+    clip_groups: tuple[tuple[Clip, ...], ...] = ((),)
     chosen: IntArray | None = None
     kept_hits: list[np.ndarray[Any, Any]] = field(default_factory=list)
     passes: tuple[Pass, ...] = ()
@@ -111,6 +111,11 @@ class MarchFrame:
     def scene_resources(self) -> dict[str, Mapping[str, Resource]]:
         """Resources of the stages that belong to no layer."""
         return {slot: stage.resources(self.layers[0].context) for slot, stage in self.scene_stages.items()}
+
+    @property
+    def clips(self) -> tuple[Clip, ...]:
+        """Clips that cut something, those of all layers first."""
+        return tuple(clip for group in self.clip_groups for clip in group)
 
     @cached_property
     def covers(self) -> Covers:
@@ -176,6 +181,7 @@ def switches_of(frame: MarchFrame) -> Switches:
     leaps = [layer.resources["field"].get("leaps") for layer in frame.layers]
     has_stretches = any(has_empty(layer) and not layer.is_full for layer in frame.layers) or any(leaps)
     skips_empty = bool(getattr(integrate, "skips_empty", False)) and frame.skip != "none" and has_stretches
+    know_more = any(isinstance(one, BlockLeaps) and not one.known_to_slabs for one in leaps)
     return Switches(
         has_empty=any(layer.field.masked for layer in frame.layers),
         skips_empty=skips_empty,
@@ -185,7 +191,8 @@ def switches_of(frame: MarchFrame) -> Switches:
         lights_ends=any(getattr(layer.stages["lighting"], "lights_ends", False) for layer in frame.layers),
         skips_blocks=any(leaps),
         fills=bool(getattr(integrate, "fills", False)),
-        blocks_know_more=any(isinstance(one, BlockLeaps) and not one.known_to_slabs for one in leaps),
+        blocks_know_more=know_more,
+        hides=know_more or any(declares(layer.stages["region"], "hidden_at") for layer in frame.layers),
         walks_blocks=walks_blocks(frame),
         walks_cells=walks_blocks(frame) and is_exact(frame) and bool(getattr(integrate, "surfaces_only", False)),
         looks_for_extremes=len(frame.layers) == 1 and "bounds" in frame.layers[0].resources["field"],
@@ -195,6 +202,7 @@ def switches_of(frame: MarchFrame) -> Switches:
         adaptive=is_adaptive(frame),
         in_parts=isinstance(frame.scene_stages["driver"], SliceDriver),
         cuts_at_covers=frame.covers.cut_slabs,
+        cuts_layers=len(frame.clip_groups) > 1,
     )
 
 
@@ -387,6 +395,8 @@ def uploaded(frame: MarchFrame, program: Program) -> dict[str, Any]:
     device = frame.device
     values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress)
     frame.once(views_of, program)
+    for number, first in enumerate(first_clips(frame.clip_groups)[1:-1]):
+        values[f"layer_{number}"] = replace(values[f"layer_{number}"], first_clip=first)
     return values | late_tones(frame)
 
 
@@ -401,7 +411,7 @@ def written_clips(frame: MarchFrame) -> dict[str, Any]:
         return {}
     world_from_device = np.eye(4)
     world_from_device[:3, 3] = frame.anchor_world
-    packed = pack_clips(frame.clips, world_from_device, frame.outlines.solids)
+    packed = pack_clips(frame.clip_groups, world_from_device, frame.outlines.solids)
     return {"clips": compute.write_storage(frame.device, "clips", packed)}
 
 

@@ -129,7 +129,7 @@ def _gathered(
     program = build_program(key)
     bound = bound_resources(device, program, (alone,), {}, anchor_world, progress)
     if grid.clips:
-        packed = pack_clips(grid.clips, context.volume.world_from_index)
+        packed = pack_clips((grid.clips,), context.volume.world_from_index)
         bound["clips"] = compute.write_storage(device, "clips of occluders", packed)
     values = uniform_values(device, {}, (alone,), anchor_world, progress)
     values["occlusion"] = OcclusionUniforms(**cell_values(grid, context.volume))

@@ -12,7 +12,7 @@ from ..gpu import compute, raster
 from ..gpu.tiles import Tile
 from ..shader.program import OutlineUniforms
 from ..stages.driver import MOST_CLIP_LAYERS
-from .rasterised import Rasterised, has_projection, tiles_of
+from .rasterised import Rasterised, meets_meshes, tiles_of
 
 if TYPE_CHECKING:
     from .march import MarchFrame
@@ -95,9 +95,9 @@ def check_outlines(frame: MarchFrame) -> None:
         For cameras whose images no rasteriser makes, and where something is to know of clips beside the rays of pixels.
     """
     camera = frame.scene_stages["camera"]
-    if frame.outlines.solids and not has_projection(camera):
-        what = "meets no meshes, and one clips"
-        raise StageError(f"camera {camera.name!r}", what, "use perspective, orthographic or stereo, or another clip")
+    if frame.outlines.solids and not meets_meshes(camera):
+        what = "meets no meshes, and one clips: it tells neither clip_place nor seen_within"
+        raise StageError(f"camera {camera.name!r}", what, "use another clip")
     for layer in frame.layers:
         visibility = {**frame.scene_stages, **layer.stages}["visibility"]
         along = [clip for clip in layer.context.clips if isinstance(clip, Solid) or clip.cuts != "volume"]

@@ -33,8 +33,17 @@ SKIN_PX = 1 / 64
 
 
 def has_projection(camera: Stage) -> bool:
-    """Whether a rasteriser makes a camera's images."""
-    return "clip_place" in parse(stage_source(camera.wgsl, camera.name)).declared
+    """Whether triangles are triangles in a camera's images."""
+    return _declares(camera, "clip_place")
+
+
+def meets_meshes(camera: Stage) -> bool:
+    """Whether a rasteriser finds what a camera's rays meet: triangles in its images, or the boxes that hold them there."""
+    return has_projection(camera) or _declares(camera, "seen_within")
+
+
+def _declares(camera: Stage, function: str) -> bool:
+    return function in parse(stage_source(camera.wgsl, camera.name)).declared
 
 
 def skin_world(frame: MarchFrame) -> float:
@@ -92,15 +101,20 @@ class Rasterised:
         self.triangles = [self._uploaded(mesh) for mesh in self.meshes]
         counts = [len(mesh.faces) for mesh in self.meshes]
         self.first_triangles = [sum(counts[:number]) for number in range(len(counts))]
+        self.in_boxes = not has_projection(self.camera["camera"])
 
     @cached_property
     def depths_world(self) -> tuple[float, float]:
-        """Depths along the view between which meshes are drawn."""
+        """Depths along the view between which meshes are drawn.
+
+        Where triangles are drawn in boxes, none is too near, and the first is the distance at which depths are halved.
+        """
         camera: Any = self.camera["camera"]
         corners = np.concatenate([mesh.corners_world for mesh in self.meshes]) - self.frame.anchor_world
-        depths = (corners - np.asarray(camera.eye)) @ camera.basis()[2]
+        way = corners - np.asarray(camera.eye)
+        depths = np.linalg.norm(way, axis=1) if self.in_boxes else way @ camera.basis()[2]
         far = max(float(depths.max()), 1e-30) * (1 + 1e-5)
-        return max(float(depths.min()) * (1 - 1e-5), NEAR * far), far
+        return NEAR * far if self.in_boxes else max(float(depths.min()) * (1 - 1e-5), NEAR * far), far
 
     def _uploaded(self, mesh: Mesh) -> raster.Triangles:
         device = self.frame.device
@@ -149,26 +163,31 @@ class Rasterised:
         """Uniform buffer of a pass."""
         return compute.write_uniforms(self.frame.device, name, pack_uniforms(program, part, self.values | told))
 
-    def bound(self, root: str, numbers: Sequence[int], part: FrameUniforms, read: dict[str, Any]) -> list[raster.Drawn]:
-        """Meshes with what a render pass looks at."""
+    def bound(self, name: str, numbers: Sequence[int], part: FrameUniforms, read: dict[str, Any]) -> list[raster.Drawn]:
+        """Meshes with what a render pass looks at; there are two passes of a name, for triangles and for boxes."""
         device, drawn = self.frame.device, []
+        root = f"passes/{name}{'_boxes' * self.in_boxes}.wgsl"
         for n in numbers:
-            looked_at = read | (self._cutting(n) if self.meshes[n].clipped else {})
-            pipeline = raster.render_pipeline(device, self.program(root, tuple(looked_at)))
+            looked_at = read | (self._corners(n) if self.in_boxes else {})
+            looked_at |= self._cutting(n) if self.meshes[n].clipped else {}
+            pipeline = raster.render_pipeline(device, self.program(root, tuple(looked_at)), self.in_boxes)
             uniforms = self.packed(pipeline.program, part, f"uniforms of mesh {n} in {root}", mesh=self.uniforms(n))
-            drawn.append(raster.bound(device, pipeline, self.triangles[n], {**looked_at, "uniforms": uniforms}))
+            resources = {**looked_at, "uniforms": uniforms}
+            drawn.append(raster.bound(device, pipeline, self.triangles[n], resources, self.in_boxes))
         return drawn
+
+    def _corners(self, number: int) -> dict[str, Any]:
+        triangles = self.triangles[number]
+        return {"mesh_vertices": triangles.vertices, "mesh_faces": triangles.faces}
 
     def _cutting(self, number: int) -> dict[str, Any]:
         """What clips look at that cut a mesh; nothing where there is none."""
-        triangles = self.triangles[number]
-        looked_at = {"mesh_vertices": triangles.vertices, "mesh_faces": triangles.faces}
-        return self._packed_clips | looked_at if self.clips else {}
+        return self._packed_clips | self._corners(number) if self.clips else {}
 
     @cached_property
     def _packed_clips(self) -> dict[str, Any]:
         world_from_device = _shift(self.frame.anchor_world)
-        packed = pack_clips(self.clips, world_from_device, self.frame.outlines.solids)
+        packed = pack_clips((self.clips,), world_from_device, self.frame.outlines.solids)
         found = {"clips": compute.write_storage(self.frame.device, "clips of meshes", packed)}
         return found | (self.outlines if any(isinstance(clip, Solid) for clip in self.clips) else {})
 
@@ -184,7 +203,7 @@ class Rasterised:
         raster.clear_buffer(device, counts, 4 * pixels)
         raster.clear_buffer(device, most, 4)
         read = {"fragments": triangles, "fragment_counts": counts, "most_fragments": most, "opaque_depth": targets.opaque}
-        drawn = self.bound("passes/gather.wgsl", numbers, replace(part, fragment_slots=slots), read)
+        drawn = self.bound("gather", numbers, replace(part, fragment_slots=slots), read)
         raster.draw(device, None, targets.unused, drawn)
         found = int(np.frombuffer(device.queue.read_buffer(most, 0, 4), dtype=np.uint32)[0])
         return Fragments(triangles, counts, found)
@@ -197,9 +216,7 @@ class Rasterised:
         """Run a pass over the pixels of a tile that looks at the triangles of a mesh."""
         device = self.frame.device
         pipeline = compute.pipeline_of(device, program)
-        triangles = self.triangles[number]
-        looked_at = {**resources, "mesh_vertices": triangles.vertices, "mesh_faces": triangles.faces}
-        groups = compute.bind_groups(device, pipeline, looked_at)
+        groups = compute.bind_groups(device, pipeline, resources | self._corners(number))
         compute.dispatch_pixels(device, pipeline, groups, tile.width, tile.height)
 
 

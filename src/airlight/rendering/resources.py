@@ -53,7 +53,7 @@ from ..stages.field import Field, needed_groups
 from ..stages.field_channels import by_group, lines_of
 from ..volume import FloatArray, domain_index
 
-MOST_SLAB_TABLES = 32
+MOST_SLAB_TABLES = 12
 TEXTURES = ("table", "layers", "grid", "loaded_grid", "stack", "loaded_stack", "gradients", "labels", "openness")
 """Kinds of bindings that resources of stages fill."""
 FULL = 0.95  # of the blocks hold something

@@ -93,6 +93,7 @@ class LayerUniforms:
     value_offset: F32 = param(0.0, unit="data")
     channel_scale: Mat4f = param(None, unit="data")
     channel_offset: Mat4f = param(None, unit="data")
+    first_clip: U32 = param(0)  # of those that cut this layer alone
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,7 @@ class LightRecord:
 class ClipRecord:
     """A clip as the device sees it: rows of the way to where its shape is that of its kind; see ``airlight.clips``.
 
-    Each tells how many there are, and a mesh which of the outlines is its own.
+    They lie in groups, those of all layers first: each tells where its own ends, and a mesh which of the outlines is its own.
     """
 
     x: Vec4f = param((0.0, 0.0, 0.0, 0.0), unit="1/world")
@@ -120,7 +121,7 @@ class ClipRecord:
     capped: Bool = param(False)
     cuts: U32 = param(0)
     list: U32 = param(0)
-    count: U32 = param(0)
+    end: U32 = param(0)
 
 
 @dataclass(frozen=True)
@@ -421,13 +422,14 @@ class Switches:
     ``weighted``: a table of slabs tells which share of the light lies towards the back. ``curved``: values are put right for
     how the field curves along the ray. ``lights_ends``: lighting keeps how ends of slabs are lit.
     ``skips_blocks``: blocks of voxels in which nothing is are passed over; ``fills``: a ray shows something even where all of
-    its blocks are. ``blocks_know_more``: two samples do not tell that
-    slabs in these are empty. ``walks_blocks``: each of the others is sampled, whatever the step; ``walks_cells``: each of their
-    cells of eight voxels is looked through.
+    its blocks are. ``blocks_know_more``: two samples do not tell that slabs in these are empty; ``hides``: of some slabs that
+    are passed over they do not tell that nothing is seen of them. ``walks_blocks``: each of the other blocks is sampled,
+    whatever the step; ``walks_cells``: each of their cells of eight voxels is looked through.
     ``looks_for_extremes``: blocks whose values cannot change what has been found are passed over.
     ``has_crossings``: slabs are cut at surfaces of the transfer function. ``lights_faces``: where clips cut, light comes from
     their faces. ``draws_caps``: such faces may be solid. ``cuts_at_covers``: slabs are cut where meshes let light pass.
     ``adaptive``: slabs are longer where little of them gets through to the eye. ``in_parts``: rays are marched part by part.
+    ``cuts_layers``: clips cut some of several layers alone.
     """
 
     has_empty: bool = False
@@ -440,6 +442,7 @@ class Switches:
     skips_blocks: bool = False
     fills: bool = False
     blocks_know_more: bool = False
+    hides: bool = False
     walks_blocks: bool = False
     walks_cells: bool = False
     looks_for_extremes: bool = False
@@ -449,6 +452,7 @@ class Switches:
     draws_caps: bool = False
     adaptive: bool = False
     in_parts: bool = False
+    cuts_layers: bool = False
 
 
 @dataclass(frozen=True)

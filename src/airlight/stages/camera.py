@@ -33,6 +33,8 @@ class Camera(Stage):
 
     slot: ClassVar[str] = "camera"
     uniform_type: ClassVar[type] = CameraFrame
+    looks_round: ClassVar[bool] = False
+    """Whether images are no planes: what faces them faces the eye, and depths are distances."""
     eye: Vec3f
     target: Vec3f
     up: Vec3f

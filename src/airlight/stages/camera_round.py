@@ -37,6 +37,7 @@ class Panorama(Camera):
     name: ClassVar[str] = "panorama"
     wgsl: ClassVar[str] = "camera/panorama.wgsl"
     uniform_type: ClassVar[type] = RoundFrame
+    looks_round: ClassVar[bool] = True
     eye: Vec3f = param((0.0, -4.0, 0.0), unit="world", help="position of the eye")
     target: Vec3f = param((0.0, 0.0, 0.0), unit="world", help="point in the middle of the image")
     up: Vec3f = param((0.0, 0.0, 1.0), unit="1", help="direction that is up in the image")
@@ -76,6 +77,7 @@ class Dome(Camera):
     name: ClassVar[str] = "dome"
     wgsl: ClassVar[str] = "camera/dome.wgsl"
     uniform_type: ClassVar[type] = RoundFrame
+    looks_round: ClassVar[bool] = True
     eye: Vec3f = param((0.0, -4.0, 0.0), unit="world", help="position of the eye")
     target: Vec3f = param((0.0, 0.0, 0.0), unit="world", help="point in the middle of the image")
     up: Vec3f = param((0.0, 0.0, 1.0), unit="1", help="direction that is up in the image")

@@ -67,10 +67,13 @@ class EmissionAbsorption(Integrate):
     skips_empty: ClassVar[bool] = True
     takes_covers: ClassVar[bool] = True
     opaque_at: F32 = param(0.99995, above=0, up_to=1, help="opacity at which a ray ends")
+    fills_rest: Bool = param(
+        False, help="whether all that lies behind the end of a ray is taken to look as what lies before it: for quick pictures"
+    )
 
     def converging(self) -> EmissionAbsorption:
         """Return the stage whose rays end where nothing is left to be seen."""
-        return replace(self, opaque_at=1.0)
+        return replace(self, opaque_at=1.0, fills_rest=False)
 
 
 @register

@@ -20,13 +20,13 @@ class Rung:
         Of its width and height.
     step
         Least step in voxels; a document with a greater one keeps that.
-    opaque_at
-        Opacity at which rays end at the latest.
+    hurries
+        Whether rays end early and slabs are lit in their middle (``hurried``).
     """
 
     scale: float
     step: float
-    opaque_at: float = 1.0
+    hurries: bool = False
 
 
 # Of each next one, pictures of the CT head are worse and quicker. The last are for looks of which two voxels take too long.
@@ -36,9 +36,9 @@ RUNGS = (
     Rung(0.75, 1.5),
     Rung(0.5, 1.0),
     Rung(0.5, 1.5),
-    Rung(0.5, 2.0, 0.9),
-    Rung(0.5, 3.0, 0.9),
-    Rung(0.5, 4.0, 0.9),
+    Rung(0.5, 2.0, hurries=True),
+    Rung(0.5, 3.0, hurries=True),
+    Rung(0.5, 4.0, hurries=True),
 )
 FLOOR = 5
 HALF = 3

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import re
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..bundling import bundled
 from ..errors import MissingExtraError
 from ..first_picture import resolve
 from ..scene import Scene, check_scene
+from .front_end import script, styles
 
 if TYPE_CHECKING:
     from .session import Session, Viewer
 
-WEB = Path(__file__).with_name("web")
 HEIGHT_PX = 520
 
 
@@ -51,7 +48,7 @@ def widget(viewer: Viewer, height_px: int = HEIGHT_PX) -> Any:
     class View(anywidget.AnyWidget):  # type: ignore[misc, unused-ignore]
         """A view on a volume."""
 
-        _esm = bundled(WEB, "app.js")
+        _esm = script("app.js")
         _css = styles()
         height_px = traitlets.Int(HEIGHT_PX).tag(sync=True)
         session: Session
@@ -75,12 +72,6 @@ def widget(viewer: Viewer, height_px: int = HEIGHT_PX) -> Any:
     view.observe(lambda _: viewer.end(session), "comm")
     view.comm.on_close(lambda _: view.close())
     return view
-
-
-def styles() -> str:
-    """All style sheets of the front-end, one behind the other."""
-    names = re.findall(r'"([\w./-]+\.css)"', (WEB / "styles.js").read_text(encoding="utf-8"))
-    return "\n".join((WEB / name).read_text(encoding="utf-8") for name in names)
 
 
 def _sender(view: Any) -> Callable[[dict[str, Any], list[bytes]], None]:

@@ -1,13 +1,13 @@
-"""The page that ``airlight view`` serves: static files and one WebSocket a view."""
+"""The page that ``airlight view`` serves: three texts and one WebSocket a view."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import AirlightError, ValueRangeError
+from .front_end import WEB, script, styles
 from .serving.framing import packed, unpacked
 from .serving.limits import Limits, Outbox, Pace
 from .serving.lobby import Lobby
@@ -17,10 +17,8 @@ if TYPE_CHECKING:
     from .clients import Send
     from .session import Session, Viewer
 
-WEB = Path(__file__).with_name("web")
 WAIT_S = 0.1
 CUT, NOT_UNDERSTOOD, TOO_LONG, AGAIN, TOO_BUSY = 1006, 1007, 1009, 1012, 1013
-KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml"}
 
 
 def application(viewer: Viewer | Lobby, limits: Limits | None = None) -> Any:
@@ -39,27 +37,24 @@ def application(viewer: Viewer | Lobby, limits: Limits | None = None) -> Any:
 
     lobby = viewer if isinstance(viewer, Lobby) else Lobby(viewer)
     bounds = limits or Limits()
-    # A list that is made once: no request names a path.
-    files = {path.relative_to(WEB).as_posix(): path for path in sorted(WEB.rglob("*")) if path.suffix in KINDS}
 
-    async def page(_: Any) -> Response:
-        modules = "".join(f'<link rel="modulepreload" href="web/{name}">\n' for name in files if name.endswith(".js"))
-        own = [name for name in files if name.startswith("panels/") and name.endswith(".css")]
-        sheets = "".join(f'<link rel="stylesheet" href="web/{name}">\n' for name in own)
-        text = files["index.html"].read_text().replace("</head>", f"{sheets}{modules}</head>")
-        return Response(text, media_type="text/html; charset=utf-8")
+    def told_as(kind: str, text: str) -> Any:
+        async def answer(_: Any) -> Response:
+            return Response(text, media_type=f"{kind}; charset=utf-8")
 
-    async def file(request: Any) -> Response:
-        path = files.get(request.path_params["name"])
-        if path is None:
-            return Response("There is no such file.\n", 404, media_type="text/plain")
-        return Response(path.read_bytes(), media_type=f"{KINDS[path.suffix]}; charset=utf-8")
+        return answer
+
+    pages = {
+        "/": told_as("text/html", (WEB / "index.html").read_text(encoding="utf-8")),
+        "/web/page.js": told_as("text/javascript", script("page.js")),
+        "/web/page.css": told_as("text/css", styles()),
+    }
 
     async def socket(connection: Any) -> None:
         await connected(connection, lobby, bounds)
 
-    routes = [Route("/", page), Route("/web/{name:path}", file), WebSocketRoute("/socket", socket)]
-    app = Starlette(routes=routes)
+    # No request names a path of a file.
+    app = Starlette(routes=[*(Route(path, page) for path, page in pages.items()), WebSocketRoute("/socket", socket)])
     app.router.redirect_slashes = False
     return app
 

@@ -3,37 +3,32 @@
 import generated::sizes::BLOCK_VOXELS;
 import package::ray::INFINITE;
 
-struct Way {
-  origin: vec3f,     // of the ray, in blocks
-  direction: vec3f,  // [blocks/world]
-  block: vec3f,      // where the ray is from `begin` to `end` [world]
-  begin: f32,
-  end: f32,
+// A ray in blocks: its origin and direction [blocks/world], the latter's inverse, along which axes it goes and which of them upwards,
+// and how far behind a face it is taken to be in the next block, a thousandth of a voxel [world].
+struct Way { origin: vec3f, direction: vec3f, rate: vec3f, along: vec3<bool>, up: vec3<bool>, beyond: f32 }
+
+// A part of a way [world].
+struct Run { begin: f32, end: f32 }
+
+fn way_of(origin_index: vec3f, direction_index: vec3f) -> Way {
+  let pace = pace_of(direction_index);
+  let side = f32(BLOCK_VOXELS);
+  return Way(origin_index / side, direction_index / side, pace.rate * side, pace.along, pace.up, pace.beyond);
 }
 
-// The block at a distance along a ray that is given in index coordinates.
-fn way_from(origin_index: vec3f, direction_index: vec3f, t_world: f32) -> Way {
-  let origin = origin_index / f32(BLOCK_VOXELS);
-  let direction = direction_index / f32(BLOCK_VOXELS);
-  let place = origin + t_world * direction;
-  // A ray on a face is in the block that it goes into.
-  let block = select(floor(place), ceil(place) - 1.0, direction < vec3f(0.0));
-  return Way(origin, direction, block, t_world, least(faces_of(origin, direction, block, 1.0)));
+// Just behind a distance [world].
+fn just_behind(way: Way, t_world: f32) -> f32 { return t_world + max(way.beyond, TOLD_APART * t_world); }
+
+// Where the ray leaves the blocks that are nearer to one than `reach`, which is 1 for the block itself [world].
+fn leaves(way: Way, block: vec3f, reach: f32) -> f32 {
+  let face = block + select(vec3f(1.0 - reach), vec3f(reach), way.up);
+  return least(select(vec3f(INFINITE), (face - way.origin) * way.rate, way.along));
 }
 
-// Leave all blocks that are nearer than `reach`, which is 1 for the block itself. Through an edge several faces are left at once.
-fn step_on(way: Way, reach: f32) -> Way {
-  let faces = faces_of(way.origin, way.direction, way.block, reach);
-  let begin = max(least(faces), way.begin);
-  let inside = clamp(floor(way.origin + begin * way.direction), way.block - (reach - 1.0), way.block + (reach - 1.0));
-  let block = select(inside, way.block + sign(way.direction) * reach, faces <= vec3f(begin));
-  return Way(way.origin, way.direction, block, begin, max(begin, least(faces_of(way.origin, way.direction, block, 1.0))));
-}
-
-// Distances at which the ray leaves the blocks that are nearer than `reach`, along each axis.
-fn faces_of(origin: vec3f, direction: vec3f, block: vec3f, reach: f32) -> vec3f {
-  let face = block + select(vec3f(1.0 - reach), vec3f(reach), direction > vec3f(0.0));
-  return select((face - origin) / direction, vec3f(INFINITE), abs(direction) < vec3f(1e-30));
+// Where the ray enters a block [world].
+fn enters(way: Way, block: vec3f) -> f32 {
+  let face = block + select(vec3f(1.0), vec3f(0.0), way.up);
+  return -least(select(vec3f(INFINITE), (way.origin - face) * way.rate, way.along));
 }
 
 fn least(v: vec3f) -> f32 { return min(v.x, min(v.y, v.z)); }

@@ -7,6 +7,7 @@ import package::lighting::at_share::{lit_by_gradient, lit_whole};
 import package::optics::tinted;
 import package::ray::Ray;
 import package::sample::{Lit, Sample, Slab};
+import package::walk::Line;
 import slot::clips::{cut_normal, is_capped};
 import slot::integrate::{Accumulated, take};
 import slot::region::part_at;
@@ -43,6 +44,11 @@ fn lit_behind(face: Face, slab: Slab, front: Sample, back: Sample, lit_rgb: vec3
   if (SURFACES_ONLY) { share = select(0.0, face.share, behind <= 0.0); }
   return mix(lit_rgb, lit_whole(slab, face.lit), share);
 }
+
+// Of several layers some have faces of clips that cut them alone.
+fn own_faces(face: Face, line: Line, cut: Sample) -> Face { return face; }
+
+fn take_own_caps(acc: ptr<function, Accumulated>, line: Line, cut: Sample) -> bool { return false; }
 
 // The solid face of a clip, as a slab without length. Whether the ray ends there.
 fn take_cap(acc: ptr<function, Accumulated>, cut: Sample, clip: u32, ray: Ray) -> bool {

@@ -1,9 +1,8 @@
 // Corners of triangles on the part of the image that is drawn. What clips cut away of them: `slot::seen`.
 
 import generated::mesh::params;
+import package::corner::Corner;
 import package::on_tile::on_tile;
-
-struct Corner { @builtin(position) place: vec4f, @location(0) @interpolate(flat) triangle: u32 }
 
 // The first corner of each triangle is a vertex of its own, which has the triangle's number.
 fn corner_of(p_mesh: vec3f, number: u32) -> Corner {

@@ -49,8 +49,13 @@ fn straight(bracket: vec4f, level: f32) -> f32 {
 
 // The first root, at the end where rounding hides it.
 fn first_root(search: Search, near: vec2f, far: vec2f) -> f32 {
-  let rise = first_rise(search, near, far.x);
-  var piece = vec2f(rise.piece.x, select(1.0, rise.piece.y, rise.piece.y >= 0.0));
+  var rise = first_rise(search, near, far.x);
+  rise.piece.y = select(1.0, rise.piece.y, rise.piece.y >= 0.0);
+  return root_of(rise);
+}
+
+fn root_of(rise: Rise) -> f32 {
+  var piece = rise.piece;
   for (var i = 0u; i <= HALVINGS; i++) {
     let middle = 0.5 * (piece.x + piece.y);
     piece = select(vec2f(middle, piece.y), vec2f(piece.x, middle), cubic(rise.c, middle) >= 0.0);
@@ -59,15 +64,19 @@ fn first_root(search: Search, near: vec2f, far: vec2f) -> f32 {
   return mix(rise.begin, rise.end, share);
 }
 
-// A place in a cell on the other side of the level than its ends, with the value there: where the field turns.
-fn beyond_in_cell(origin_index: vec3f, direction_index: vec3f, near: vec2f, far: vec2f, level: f32) -> vec2f {
-  let search = Search(origin_index, direction_index, level, near.y);
-  let side = select(1.0, -1.0, near.y >= level);
-  let c = cubic_between(search, side, near.x, side * (near.y - level), far.x, side * (far.y - level));
-  let piece = rising_piece(c);
-  let value = level + side * cubic(c, piece.y);
-  let is_beyond = piece.y >= 0.0 && (value >= level) != (near.y >= level);
-  return vec2f(select(INFINITE, mix(near.x, far.x, piece.y), is_beyond), value);
+// Whether within one cell the field passes to the other side of the level, and where.
+fn rises_between(origin_index: vec3f, direction_index: vec3f, near: vec2f, far: vec2f, level: f32) -> bool {
+  return rise_between(Search(origin_index, direction_index, level, near.y), near, far).piece.y >= 0.0;
+}
+
+fn root_between(origin_index: vec3f, direction_index: vec3f, near: vec2f, far: vec2f, level: f32) -> f32 {
+  return root_of(rise_between(Search(origin_index, direction_index, level, near.y), near, far));
+}
+
+fn rise_between(search: Search, near: vec2f, far: vec2f) -> Rise {
+  let side = select(1.0, -1.0, near.y >= search.level);
+  let c = cubic_between(search, side, near.x, side * (near.y - search.level), far.x, side * (far.y - search.level));
+  return Rise(c, rising_piece(c), near.x, far.x);
 }
 
 // Where the field first passes to the other side of the level, or the last cell: distances [world] at which the ray enters and

@@ -1,13 +1,13 @@
 // Slabs of a ray, one after the other, as they are classified, lit and taken: there is no other march loop.
 
-import generated::sizes::{CLASSIFIES, CUTS_AT_COVERS, DRAWS_CAPS, HAS_CROSSINGS, HAS_EMPTY, IN_PARTS, LIGHTS_FACES, SKIPS_EMPTY};
-import package::faces::{Face, face_of, take_cap};
+import generated::sizes::{CLASSIFIES, CUTS_AT_COVERS, CUTS_LAYERS, DRAWS_CAPS, HAS_CROSSINGS, HAS_EMPTY, HIDES, IN_PARTS, LIGHTS_FACES, SKIPS_EMPTY};
+import package::faces::{Face, face_of, own_faces, take_cap, take_own_caps};
 import package::front::{Front, next_slab};
 import package::kept::Kept;
 import package::met::Met;
 import package::pieces::{begin_of, end_of, next_kept, take_covers};
 import package::sample::Slab;
-import package::walk::{Line, border_behind, fetch, holds_layer, sample_of};
+import package::walk::{Line, border_behind, fetch, hold_layers, sample_of};
 import slot::clips::HAS_CLIPS;
 import slot::crossings::take_crossings;
 import slot::integrate::{Accumulated, take};
@@ -45,7 +45,7 @@ fn march_part(
     if (CUTS_AT_COVERS) { piece.end = min(piece.end, take_covers(acc, at, covers_taken, piece.enter, leave)); }
     piece.leave = min(piece.end, t_end);
     if (piece.leave <= piece.enter) { break; }
-    stops = holds_layer(piece) && march_piece(piece, kept, &face, acc, samples, met);
+    stops = hold_layers(&piece, line) && march_piece(piece, kept, &face, acc, samples, met);
     if (stops) { break; }
     piece.enter = piece.leave;
     if (HAS_CLIPS && piece.enter >= kept.end) {
@@ -67,7 +67,10 @@ fn march_piece(
   let first = sample_of(line, walk.front);
   let begins_at_cut = line.enter <= kept.begin;
   if (LIGHTS_FACES && begins_at_cut) { *face = face_of(kept.near, first, line.ray); }
-  if (DRAWS_CAPS && begins_at_cut && take_cap(acc, first, kept.near, line.ray)) {
+  if (CUTS_LAYERS && LIGHTS_FACES) { *face = own_faces(*face, line, first); }
+  var is_capped = DRAWS_CAPS && begins_at_cut && take_cap(acc, first, kept.near, line.ray);
+  if (CUTS_LAYERS && DRAWS_CAPS && !is_capped) { is_capped = take_own_caps(acc, line, first); }
+  if (DRAWS_CAPS && is_capped) {
     *samples += walk.samples;
     return true;
   }
@@ -80,8 +83,8 @@ fn march_piece(
     front.here = sample_of(line, walk.front);
     let next = sample_of(line, walk.next);
     if (CLASSIFIES && SKIPS_EMPTY && walk.idled) { front.known = know_empty(front.here); }
-    if (CLASSIFIES && walk.hid) { front.known = know(front.here); }
-    front.is_lit = front.is_lit && !walk.idled && !walk.hid;
+    if (CLASSIFIES && HIDES && walk.hid) { front.known = know(front.here); }
+    front.is_lit = front.is_lit && !walk.idled && !(HIDES && walk.hid);
     var back = next;
     var length = max(next.t_world - front.here.t_world, 0.0);
     if (HAS_EMPTY) {
@@ -133,5 +136,6 @@ fn march_piece(
   if (DRAWS_CAPS && ended && !stops && line.leave >= kept.end) {
     stops = take_cap(acc, sample_of(line, fetch(line, line.leave)), kept.far, line.ray);
   }
+  if (CUTS_LAYERS && DRAWS_CAPS && ended && !stops) { stops = take_own_caps(acc, line, sample_of(line, fetch(line, line.leave))); }
   return stops || !ended;
 }

@@ -3,8 +3,8 @@
 
 import generated::frame::frame;
 import generated::layer::layer;
-import generated::sizes::{BLOCK_VOXELS, IN_PARTS, SKIPS_EMPTY, SURFACES_ONLY, Values};
-import package::blocks::{Way, pace_of, past, step_on};
+import generated::sizes::{IN_PARTS, SKIPS_EMPTY, SURFACES_ONLY, Values};
+import package::blocks::{Run, Way, enters, just_behind, leaves, way_of};
 import package::ray::{Ray, INFINITE};
 import package::sample::Sample;
 import package::spacing::Spacing;
@@ -81,29 +81,32 @@ fn is_hidden(line: Line, front: Fetched, next: Fetched) -> bool {
   return SKIPS_EMPTY && hidden_at(line.index.origin + mix(front.t_world, next.t_world, 0.5) * line.index.direction);
 }
 
-// The first block, from one on, in which there may be something to be seen.
-fn leapt(start: Way, t_leave: f32) -> Way {
-  var way = start;
-  loop {
-    let reach = leap_of(way.block);
-    if (reach == 0.0 || way.begin >= t_leave) { break; }
-    way = step_on(way, reach);
-  }
-  return way;
-}
-
 // Where, from a distance on, a ray meets the first block in which there may be something to be seen.
 fn next_block(line: Line, t_world: f32, t_leave: f32) -> f32 {
-  let pace = pace_of(line.index.direction);
-  var t = t_world + pace.beyond;
+  let way = way_of(line.index.origin, line.index.direction);
+  return leapt(way, t_world, t_leave).t_world - way.beyond;
+}
+
+// The way through that block; from the distance on where it lies in the block.
+fn run_behind(line: Line, way: Way, t_world: f32) -> Run {
+  let found = leapt(way, t_world, line.leave);
+  let begin = select(t_world, max(enters(way, found.block), t_world), found.leaps);
+  return Run(min(begin, line.leave), min(max(leaves(way, found.block, 1.0), found.t_world), line.leave));
+}
+
+// A block, a distance just behind where the ray enters it, and whether others were passed over.
+struct Leapt { block: vec3f, t_world: f32, leaps: bool }
+
+fn leapt(way: Way, t_world: f32, t_leave: f32) -> Leapt {
+  var found = Leapt(vec3f(0.0), just_behind(way, t_world), false);
   loop {
-    let p = line.index.origin + t * line.index.direction;
-    let block = floor(p / f32(BLOCK_VOXELS));
-    let reach = leap_of(block);
-    if (reach == 0.0 || t >= t_leave) { break; }
-    t = past(pace, p, t, (block + 1.0 - reach) * f32(BLOCK_VOXELS), (block + reach) * f32(BLOCK_VOXELS));
+    found.block = floor(way.origin + found.t_world * way.direction);
+    let reach = leap_of(found.block);
+    if (reach == 0.0 || found.t_world >= t_leave) { break; }
+    found.t_world = just_behind(way, max(leaves(way, found.block, reach), found.t_world));
+    found.leaps = true;
   }
-  return t - pace.beyond;
+  return found;
 }
 
 // The next distance at which a layer begins or ends, where slabs are cut; a single one does with its ray.
@@ -112,8 +115,8 @@ fn border_behind(line: Line, t_world: f32) -> f32 { return line.leave; }
 // The last such distance that is not behind another.
 fn border_before(line: Line, t_world: f32) -> f32 { return line.enter; }
 
-// Whether a part of a ray that holds no such distance lies in a layer.
-fn holds_layer(line: Line) -> bool { return true; }
+// Whether a part of a ray that holds no such distance lies in a layer; of several layers it is told which of them it lies in.
+fn hold_layers(part: ptr<function, Line>, whole: Line) -> bool { return true; }
 
 // Where the ray enters and leaves the domain, not before the eye [world].
 fn domain_span(ray: IndexRay) -> vec2f {

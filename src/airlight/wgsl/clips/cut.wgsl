@@ -16,14 +16,17 @@ const CUTS_VOLUME = 0u;  // what clips cut away: see `airlight.clips.Clip.cuts`
 const CUTS_FRONT = 1u;
 
 // The piece at a distance [world] or behind it that all clips keep; it does not begin before `t_leave` where there is none.
-fn kept_from(ray: Ray, pixel: u32, t_world: f32, t_leave: f32) -> Kept {
+fn kept_from(ray: Ray, pixel: u32, t_world: f32, t_leave: f32) -> Kept { return kept_by(0u, ray, pixel, t_world, t_leave); }
+
+// The same of a group of clips, by the place of its first.
+fn kept_by(first: u32, ray: Ray, pixel: u32, t_world: f32, t_leave: f32) -> Kept {
   var kept = Kept(t_world, t_leave, 0u, 0u);
   // Go on to where a clip's piece begins, until all agree: a piece may begin where another clip keeps nothing.
   loop {
     let begin = kept.begin;
     kept.end = t_leave;
     kept.far = 0u;
-    for (var i = 0u; i < clips[0].count; i++) {
+    for (var i = first; i < clips[first].end; i++) {
       var piece: Kept;
       if (clips[i].kind == MESH) { piece = outlined_from(clips[i].list, pixel, kept.begin); } else {
         let span = piece_from(clips[i], ray, kept.begin);
@@ -58,7 +61,7 @@ fn cut_normal(number: u32, p_world: vec3f) -> vec3f {
 // Whether a point is drawn, in the coordinates that clips are told in.
 fn is_kept(p: vec3f) -> bool {
   var is_kept_by_all = true;
-  for (var i = 0u; i < clips[0].count; i++) {
+  for (var i = 0u; i < clips[0].end; i++) {
     let clip = clips[i];
     let unit = unit_of(clip, p);
     let size = abs(unit);

@@ -29,8 +29,10 @@ fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab
   let through = 1.0 - (*acc).alpha;
   let alpha = (*acc).alpha + through * slab.alpha;
   let passes = through > 0.5 && alpha >= 0.5;
-  (*acc).rgb += through * lit_rgb;
-  (*acc).alpha = alpha;
+  let ends = alpha >= params.opaque_at;
+  let fills = ends && params.fills_rest != 0u;
+  (*acc).rgb = ((*acc).rgb + through * lit_rgb) * select(1.0, 1.0 / alpha, fills);
+  (*acc).alpha = select(alpha, 1.0, fills);
   (*acc).length = select((*acc).length, length, passes);
   (*acc).through = select((*acc).through, through, passes);
   (*acc).slab_alpha = select((*acc).slab_alpha, slab.alpha, passes);
@@ -38,7 +40,7 @@ fn take(acc: ptr<function, Accumulated>, front: Sample, back: Sample, slab: Slab
     (*acc).front = front;
     (*acc).back = back;
   }
-  return alpha >= params.opaque_at;
+  return ends;
 }
 
 // What gets through to the eye.

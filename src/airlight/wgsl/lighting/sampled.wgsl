@@ -1,7 +1,7 @@
 // One evaluation of light for the whole slab: where its light comes from on the mean, in its middle, or at its front.
 
 import generated::sampled::AT;
-import generated::sizes::GROUPS;
+import generated::sizes::{GROUPS, SURFACES_ONLY};
 import package::ray::Ray;
 import package::sample::{Sample, Slab};
 import package::lighting::at_share::lit_at;
@@ -24,9 +24,10 @@ fn centre_of(slab: Slab) -> f32 {
 const TOLD = 1e-4;
 
 // Classification takes the field to run straight from end to end. Where it does not, the value that light comes from lies elsewhere:
-// between the sample at that share and one of the ends. Ends that are all but equal tell nothing of it, nor do several channels.
+// between the sample at that share and one of the ends. Ends that are all but equal tell nothing of it, nor do several channels, and
+// a surface lies where it lies.
 fn lit_place(front: Sample, back: Sample, share: f32) -> f32 {
-  if (GROUPS > 0u) { return share; }
+  if (GROUPS > 0u || SURFACES_ONLY) { return share; }
   let a = scalar_of(front.value);
   let b = scalar_of(back.value);
   let wanted = mix(a, b, share);

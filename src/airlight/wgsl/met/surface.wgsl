@@ -1,7 +1,7 @@
 // The surface at which a ray ends, where surfaces are looked for.
 
 import generated::driver::REFINE;
-import generated::sizes::LIGHTS_FACES;
+import generated::sizes::{LIGHTS_FACES, WALKS_CELLS};
 import package::faces::{Face, lit_behind};
 import package::front::{Front, lit_sheet};
 import package::kept::Kept;
@@ -36,7 +36,8 @@ fn take_surface(
   var t_world = mix(front.t_world, back.t_world, share);
   // What a ray begins in, and what a region's border uncovers, lies where it lies.
   let refines = REFINE > 0u && share > 0.0 && shown.y > 0.0;
-  if (refines) {
+  if (refines && WALKS_CELLS) { t_world = back.t_world; }
+  if (refines && !WALKS_CELLS) {
     let near = vec2f(front.t_world, scalar_of(front.value));
     let far = vec2f(back.t_world, scalar_of(back.value));
     t_world = refined(line.index.origin, line.index.direction, near, far, level(front, back));

@@ -1,7 +1,8 @@
 // Which triangle of a mesh is the nearest at each pixel, by its number from 1 on, and of which mesh.
 
 import generated::mesh::params;
-import package::raster::{Corner, corner_of};
+import package::corner::Corner;
+import package::raster::corner_of;
 import slot::seen::is_cut;
 
 @vertex

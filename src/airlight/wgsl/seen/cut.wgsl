@@ -1,7 +1,7 @@
 // What clips cut away of meshes: told where the pixel's ray meets the triangle itself.
 
 import generated::frame::frame;
-import package::raster::Corner;
+import package::corner::Corner;
 import package::ray::INFINITE;
 import package::triangle::{point_of, shares_of, triangle_of};
 import slot::camera::eye_ray;

@@ -1,5 +1,5 @@
 // No clip cuts a mesh.
 
-import package::raster::Corner;
+import package::corner::Corner;
 
 fn is_cut(at: Corner) -> bool { return false; }

@@ -1,28 +1,34 @@
 // A layer of several, and those behind it in the list. What is asked of all goes from one to the next; `layer_end.wgsl` ends it.
 //
 // Of a ray each layer knows the part in its own domain. Samples of all layers lie at the same distances, held to that part: a slab
-// that lies before or behind it has no length for the layer. Slabs are cut where a layer begins or ends.
+// that lies before or behind it has no length for the layer. Slabs are cut where a layer begins or ends, and where a clip cuts it
+// alone: of a piece of the ray in between, the part is what its own clips keep.
 
-import generated::sizes::HAS_EMPTY;
+import generated::layer::layer;
+import generated::sizes::{CUTS_LAYERS, HAS_EMPTY};
 import next::several::layer::{Faces as RestFaces, Fetches as RestFetches, Knowns as RestKnowns, Lights as RestLights, Lines as RestLines};
 import next::several::layer::{are_hidden as rest_are_hidden, are_idle as rest_are_idle, block_behind as rest_block_behind};
 import next::several::layer::{border_of as rest_border_of, caps_of as rest_caps_of, curve as rest_curve, cuts_of as rest_cuts_of};
 import next::several::layer::{fetch_all as rest_fetch_all, hold_part as rest_hold_part, know_all as rest_know_all};
 import next::several::layer::{last_border_of as rest_last_border_of};
 import next::several::layer::{know_all_empty as rest_know_all_empty, lines_of as rest_lines_of, send as rest_send, span_of as rest_span_of};
+import next::several::layer::{own_caps_of as rest_own_caps_of, own_cuts_of as rest_own_cuts_of, parts_at as rest_parts_at};
 import package::curved::curved_value;
 import package::faces::{Face, cap_of, face_of, lit_cap};
 import package::front::{Front, next_slab};
+import package::kept::Kept;
 import package::ray::{Ray, INFINITE};
 import package::several::ends::{filled_ends, sample_here};
 import package::several::mixing::{Caps, Mixed, depth_per_alpha};
 import package::walk::{Fetched, Line, fetch, is_hidden, is_idle, line_of, next_block};
+import slot::clips::kept_by;
 import slot::lighting::LitEnd;
 import slot::modulation::weight;
 import slot::region::part_at;
 import slot::transfer::{Known, know, know_empty};
 
-struct Lines { own: Line, rest: RestLines }
+// By number the clips, counted from 1, that cut the layer alone where its part begins and ends.
+struct Lines { own: Line, near: u32, far: u32, rest: RestLines }
 
 // Values at one distance, each with its own, held to the layer's part of the ray.
 struct Fetches { own: Fetched, rest: RestFetches }
@@ -42,7 +48,7 @@ fn lines_of(ray: Ray, pixel: vec2u) -> Lines {
     line.enter = 0.0;
     line.leave = 0.0;
   }
-  return Lines(line, rest_lines_of(ray, pixel));
+  return Lines(line, 0u, 0u, rest_lines_of(ray, pixel));
 }
 
 // From where the first layer begins to where the last one ends.
@@ -55,8 +61,28 @@ fn span_of(lines: Lines) -> vec2f {
 // The next distance at which a layer begins or ends.
 fn border_of(lines: Lines, t_world: f32) -> f32 {
   let line = lines.own;
-  let end = select(INFINITE, line.leave, line.leave > t_world);
+  var end = line.leave;
+  if (CUTS_LAYERS) {
+    let kept = kept_by(layer.first_clip, line.ray, line.at, t_world, line.leave);
+    end = min(end, select(kept.end, kept.begin, kept.begin > t_world));
+  }
+  end = select(INFINITE, end, line.leave > t_world);
   return min(select(end, line.enter, line.enter > t_world), rest_border_of(lines.rest, t_world));
+}
+
+// The parts of all layers that hold a distance, as their own clips keep them.
+fn parts_at(lines: Lines, t_world: f32) -> Lines {
+  var line = lines.own;
+  var kept = Kept(line.enter, line.enter, 0u, 0u);
+  loop {
+    kept = kept_by(layer.first_clip, line.ray, line.at, kept.end, line.leave);
+    if (kept.end > t_world || kept.begin >= kept.end) { break; }
+  }
+  let is_held = kept.begin < t_world && t_world < kept.end;
+  if (!is_held) { kept = Kept(0.0, 0.0, 0u, 0u); }
+  line.enter = kept.begin;
+  line.leave = kept.end;
+  return Lines(line, kept.near, kept.far, rest_parts_at(lines.rest, t_world));
 }
 
 // The last one that is not behind another.
@@ -155,5 +181,22 @@ fn caps_of(number: u32, cut: Fetches, p_world: vec3f, t_world: f32, ray: Ray) ->
   let cap = cap_of(number, here);
   let rest = rest_caps_of(number, cut.rest, p_world, t_world, ray);
   if (cap.alpha <= 0.0 || cut.own.t_world != t_world) { return rest; }
+  return Caps(rest.rgb + lit_cap(cap, number, here, ray), rest.count + 1.0);
+}
+
+// The faces of all layers, of which some are cut here by clips of their own.
+fn own_cuts_of(faces: Faces, lines: Lines, cut: Fetches, p_world: vec3f, t_world: f32, ray: Ray) -> Faces {
+  var own = faces.own;
+  if (lines.near > 0u && lines.own.enter == t_world) { own = face_of(lines.near, sample_here(cut.own, p_world), ray); }
+  return Faces(own, rest_own_cuts_of(faces.rest, lines.rest, cut.rest, p_world, t_world, ray));
+}
+
+fn own_caps_of(lines: Lines, cut: Fetches, p_world: vec3f, t_world: f32, ray: Ray) -> Caps {
+  let rest = rest_own_caps_of(lines.rest, cut.rest, p_world, t_world, ray);
+  let number = select(select(0u, lines.far, lines.own.leave == t_world), lines.near, lines.own.enter == t_world);
+  if (number == 0u) { return rest; }
+  let here = sample_here(cut.own, p_world);
+  let cap = cap_of(number, here);
+  if (cap.alpha <= 0.0) { return rest; }
   return Caps(rest.rgb + lit_cap(cap, number, here, ray), rest.count + 1.0);
 }

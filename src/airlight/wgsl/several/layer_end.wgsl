@@ -20,6 +20,8 @@ fn last_border_of(lines: Lines, t_world: f32) -> f32 { return 0.0; }
 
 fn hold_part(lines: Lines, t_world: f32) -> bool { return false; }
 
+fn parts_at(lines: Lines, t_world: f32) -> Lines { return lines; }
+
 fn block_behind(lines: Lines, t_world: f32, t_leave: f32) -> f32 { return INFINITE; }
 
 fn fetch_all(lines: Lines, t_world: f32) -> Fetches { return Fetches(0.0); }
@@ -44,3 +46,7 @@ fn send(
 fn cuts_of(number: u32, cut: Fetches, p_world: vec3f, t_world: f32, ray: Ray) -> Faces { return Faces(0.0); }
 
 fn caps_of(number: u32, cut: Fetches, p_world: vec3f, t_world: f32, ray: Ray) -> Caps { return Caps(vec3f(0.0), 0.0); }
+
+fn own_cuts_of(faces: Faces, lines: Lines, cut: Fetches, p_world: vec3f, t_world: f32, ray: Ray) -> Faces { return faces; }
+
+fn own_caps_of(lines: Lines, cut: Fetches, p_world: vec3f, t_world: f32, ray: Ray) -> Caps { return Caps(vec3f(0.0), 0.0); }

@@ -1,7 +1,7 @@
 // A ray's way through several layers, and the samples on it: `package::walk` for all of them.
 
-import generated::sizes::{IN_PARTS, Values};
-import next::several::layer::{Lines, are_hidden, are_idle, block_behind, border_of, fetch_all, hold_part, last_border_of, lines_of, span_of};
+import generated::sizes::{CUTS_LAYERS, IN_PARTS, Values};
+import next::several::layer::{Lines, are_hidden, are_idle, block_behind, border_of, fetch_all, hold_part, last_border_of, lines_of, parts_at, span_of};
 import package::ray::Ray;
 import package::sample::Sample;
 import package::spacing::Spacing;
@@ -56,4 +56,8 @@ fn border_behind(line: Line, t_world: f32) -> f32 { return border_of(line.lines,
 
 fn border_before(line: Line, t_world: f32) -> f32 { return last_border_of(line.lines, t_world); }
 
-fn holds_layer(line: Line) -> bool { return hold_part(line.lines, 0.5 * (line.enter + line.leave)); }
+fn hold_layers(part: ptr<function, Line>, whole: Line) -> bool {
+  let middle = 0.5 * ((*part).enter + (*part).leave);
+  if (CUTS_LAYERS) { (*part).lines = parts_at(whole.lines, middle); }
+  return hold_part((*part).lines, middle);
+}
