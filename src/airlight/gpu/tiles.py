@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -24,10 +25,20 @@ class Tile:
 
 @dataclass
 class Pace:
-    """Pixels a second of one kind of work, measured as it goes; ``first`` of them are drawn to begin with."""
+    """Pixels a second of one kind of work, measured as it goes; ``first`` of them are drawn to begin with.
+
+    ``slowest`` is the least rate of the frame before: with what that can do the next one may begin.
+    """
 
     first: int = FIRST_TILE_PIXELS
     pixels_per_second: float = 0.0
+    slowest: float = 0.0
+    _least: float = math.inf
+
+    def begin(self) -> None:
+        """A frame begins."""
+        self.slowest = self._least if self._least < math.inf else self.slowest
+        self._least = math.inf
 
     def pixels(self) -> int:
         """Pixels that take about ``TILE_SECONDS``."""
@@ -36,14 +47,16 @@ class Pace:
     def learn(self, pixels: int, seconds: float) -> None:
         """Take a measurement in; rays differ, so it is averaged."""
         rate = pixels / max(seconds, 1e-5)
+        if pixels >= FIRST_TILE_PIXELS // 2:  # smaller ones tell of what each tile costs
+            self._least = min(self._least, rate)
         self.pixels_per_second = rate if not self.pixels_per_second else 0.5 * (self.pixels_per_second + rate)
 
 
 def tiles(width: int, first_row: int, rows: int, pace: Pace, least_rows: int = 1) -> Iterator[Tile]:
     """Cover rows of an image with tiles of the pace's size: whole rows, or parts of the least number of them."""
     y = first_row
-    # Begin small and at most double: what is drawn first may be the background.
-    most = FIRST_TILE_PIXELS
+    # Begin small, unless the last frame is known, and at most double: what is drawn first may be the background.
+    most = max(FIRST_TILE_PIXELS, int(pace.slowest * TILE_SECONDS))
     while y < first_row + rows:
         pixels = min(pace.pixels(), most)
         most = 2 * pixels
@@ -70,6 +83,7 @@ def run_tiles(
 ) -> None:
     """Submit tile by tile and wait for each; ``check`` may raise between them, ``progress`` gets the pixels done."""
     done = 0
+    pace.begin()
     for tile in parts:
         check()
         start = time.perf_counter()
