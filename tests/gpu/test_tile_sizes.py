@@ -20,7 +20,7 @@ def drawn(pace: Pace, rate: float) -> list[int]:
 
 
 def test_a_frame_begins_small_until_one_is_known():
-    pace, rate = Pace(), 1.6 * FIRST_TILE_PIXELS / TILE_SECONDS
+    pace, rate = Pace(), 2.2 * FIRST_TILE_PIXELS / TILE_SECONDS
     first, second = drawn(pace, rate), drawn(pace, rate)
     assert sum(first) == sum(second) == SIDE * SIDE
     assert first[0] == FIRST_TILE_PIXELS < second[0] <= rate * TILE_SECONDS
