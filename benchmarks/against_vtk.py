@@ -1,7 +1,8 @@
 """Time and error side by side with VTK: same volume, camera, function, size and steps, drawn in turns.
 
 The same picture without light is compared with airlight's converged float64 reference. With light the models differ, so each
-renderer is compared with its own picture at 1/8 voxel, and so it is without light, too. Time without error is no figure.
+renderer is compared with its own picture at 1/8 voxel, and so it is without light, too. Surfaces of equal value are drawn by
+VTK's GPU mapper alone; here steps may be larger, since hits are refined. Time without error is no figure.
 VTK draws 8 bits, so its errors have a floor near 0.3/255 RMSE. Needs VTK (dependency group ``bench``), no display.
 """
 
@@ -17,14 +18,18 @@ from volumes import bone, brain, cropped, real_volume
 
 import airlight as al
 from airlight import reference
-from airlight.benchmark.vtk_side import MAPPERS, load_vtk, vtk_picture
+from airlight.benchmark.vtk_side import load_vtk, mappers_of, vtk_picture
 
 STEPS = (2.0, 1.0, 0.5)
+SURFACE_STEPS = (5.0, 1.0, 0.25)
+BONE_HU, IVORY = 300.0, (0.9, 0.8, 0.65)
 CONVERGED_STEP = 1 / 8
 OURS: dict[str, dict[str, Any]] = {"airlight, pre-integrated": {}, "airlight, post-classified": {"transfer": "postclassified"}}
 # Light at both ends of slabs, gradients kept in a texture: what Lum, Wilson and Ma draw.
 LIT = {"airlight, gradients kept, interpolated": {"gradient": "precomputed", "lighting": "interpolated"}}
-ALIKE_RMSE = 0.02
+SURFACES: dict[str, dict[str, Any]] = {
+    f"airlight, {refine}": {"driver": al.driver.March(refine=refine)} for refine in ("bisection", "exact")
+}
 
 Draw = Callable[[float], np.ndarray[Any, Any]]
 
@@ -73,29 +78,33 @@ def cases(quick: bool = False) -> dict[str, al.Scene]:
             look = al.Look(shade=shade)
             scene = al.Scene(volume, transfer=function, camera=camera, look=look, lights=lights)
             found[f"{name}, {'unshaded' if shade == 'none' else 'shaded'}"] = scene
+        if name == "ct_head":
+            ivory = al.TransferFunction([(0.0, IVORY, 1.0), (BONE_HU, IVORY, 1.0)])
+            look = al.Look(integrate=al.integrate.FirstHit(iso=BONE_HU))
+            found[f"{name}, surface"] = al.Scene(volume, transfer=ivory, camera=camera, look=look, lights=lights)
     return found
 
 
 def compare(renderer: al.Renderer, name: str, scene: al.Scene, options: Any) -> tuple[list[Any], list[Any], dict[str, str]]:
     """Draw one scene with all renderers at all steps, in turns."""
     size = (options.size, options.size)
-    pictures = {label: vtk_picture(scene, size, mapper) for label, mapper in MAPPERS.items()}
+    pictures = {label: vtk_picture(scene, size, mapper) for label, mapper in mappers_of(scene).items()}
     unlit = scene.layers[0].look.shade.name == "none"
-    draws: dict[str, Draw] = {
-        label: ours(renderer, scene, size, look) for label, look in (OURS if unlit else OURS | LIT).items()
-    }
+    is_surface = isinstance(scene.layers[0].look.integrate, al.integrate.FirstHit)
+    ways = SURFACES if is_surface else OURS if unlit else OURS | LIT
+    draws: dict[str, Draw] = {label: ours(renderer, scene, size, **way) for label, way in ways.items()}
     draws |= {label: picture.draw for label, picture in pictures.items()}
     converged = {label: draw(CONVERGED_STEP) for label, draw in draws.items()}
-    first = converged[next(iter(OURS))]
+    first = converged[next(iter(ways))]
     pixels, truth = None, None
     if unlit:
         pixels = some_pixels(first, options.pixels)
         truth = reference.converged(scene, size, pixels=pixels).rgba[:, :3]
     rows = []
-    for step in STEPS:
+    for step in SURFACE_STEPS if is_surface else STEPS:
         jobs = {label: (lambda draw=draw, step=step: draw(step)) for label, draw in draws.items()}
         measured = side_by_side(jobs, options.repeats)
-        base = measured[next(iter(OURS))]
+        base = measured[next(iter(ways))]
         for label, run in measured.items():
             row = {"scene": name, "renderer": label, "step": step} | run.summary()
             row["own"] = errors(run.result, converged[label])
@@ -103,7 +112,7 @@ def compare(renderer: al.Renderer, name: str, scene: al.Scene, options: Any) -> 
                 row["reference"] = errors(run.result[pixels[:, 1], pixels[:, 0]], truth)
             row["times_airlight"] = {"wall": ratio(run.wall, base.wall), "cpu": ratio(run.cpu, base.cpu)}
             rows.append(row)
-    checks = [{"scene": name, "renderer": label} | view_check(converged[label], first) for label in MAPPERS]
+    checks = [{"scene": name, "renderer": label} | view_check(converged[label], first) for label in pictures]
     if options.pictures:
         save(converged, options.out.parent, name)
     for picture in pictures.values():
@@ -111,12 +120,12 @@ def compare(renderer: al.Renderer, name: str, scene: al.Scene, options: Any) -> 
     return rows, checks, renderer.render(scene, (16, 16)).stats["adapter"]
 
 
-def ours(renderer: al.Renderer, scene: al.Scene, size: tuple[int, int], stages: dict[str, Any]) -> Draw:
+def ours(renderer: al.Renderer, scene: al.Scene, size: tuple[int, int], driver: Any = "march", **stages: Any) -> Draw:
     """Return what draws the scene in airlight with some stages, linear colours over black."""
     (layer,) = scene.layers
-    look = al.Look(shade=layer.look.shade, **stages)
+    look = al.Look(shade=layer.look.shade, integrate=layer.look.integrate, **stages)
     staged = al.Scene(layer.volume, transfer=layer.transfer, camera=scene.camera, look=look, lights=scene.lights)
-    return lambda step: renderer.render(staged, size, step=step).rgb
+    return lambda step: renderer.render(staged, size, step=step, driver=driver).rgb
 
 
 def some_pixels(picture: Any, count: int) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from in_browser import picture_of, session_of, until
+from in_browser import picture_of, rested, session_of, until
 
 from airlight.scene import VIEWS
 from airlight.stages.camera import Orthographic
@@ -41,6 +41,47 @@ def test_a_drag_turns_the_picture_and_the_wheel_comes_nearer(page: Any, session:
     distance = np.linalg.norm(np.subtract(session.camera.eye, session.camera.target))
     page.mouse.wheel(0, -240)
     until(lambda: np.linalg.norm(np.subtract(session.camera.eye, session.camera.target)) < 0.9 * distance)
+
+
+def test_two_fingers_come_nearer_and_turn_about_the_view(page: Any, session: Any) -> None:
+    """Real touches of the browser, as a phone makes them."""
+    box, wire = page.locator("canvas.picture").bounding_box(), page.context.new_cdp_session(page)
+    middle, reach = np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2]), box["height"] / 6
+
+    def touch(kind: str, apart: float = 0.0, angle_rad: float = 0.0) -> None:
+        aside = apart * np.array([np.cos(angle_rad), np.sin(angle_rad)])
+        places = [] if kind == "touchEnd" else [middle - aside, middle + aside]
+        points = [{"x": float(x), "y": float(y), "id": n} for n, (x, y) in enumerate(places)]
+        wire.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    before = rested(session).camera
+    distance = np.linalg.norm(np.subtract(before.eye, before.target))
+    touch("touchStart", reach)
+    for n in range(1, 9):
+        touch("touchMove", reach * (1 + n / 8))
+    touch("touchEnd")
+    until(lambda: np.linalg.norm(np.subtract(session.camera.eye, session.camera.target)) < 0.8 * distance)
+    near = rested(session).camera
+    assert np.allclose(near.basis(), before.basis(), atol=1e-6)
+    touch("touchStart", reach)
+    for n in range(1, 9):
+        touch("touchMove", reach, n * np.pi / 16)
+    touch("touchEnd")
+    turned = rested(session).camera
+    assert turned.basis()[0] @ near.basis()[0] < 0.6  # a quarter, without what fingers turn by chance
+    assert np.allclose(turned.basis()[2], near.basis()[2], atol=1e-3)
+
+
+def test_a_double_click_makes_the_view_turn_about_what_is_there(page: Any, session: Any) -> None:
+    box = page.locator("canvas.picture").bounding_box()
+    image = until(lambda: session.stream.image if session.stream.image.scene.camera == session.camera else None)
+    rows, columns = np.nonzero(np.isfinite(image.depth))
+    row, column = int(rows[len(rows) // 3]), int(columns[len(rows) // 3])
+    scale = box["width"] / image.size[0]
+    place = box["x"] + (column + 0.5) * scale, box["y"] + (row + 0.5) * scale
+    there = image.pick(column, row).p_world
+    page.mouse.dblclick(*place)
+    until(lambda: np.linalg.norm(np.subtract(session.camera.target, there)) < 1.0, 20.0)
 
 
 def test_keys_alone_turn_show_help_and_keep_a_bookmark(page: Any, session: Any) -> None:

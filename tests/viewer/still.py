@@ -29,7 +29,7 @@ class StillRenderer:
 
 
 def wait_for(condition: Any) -> None:
-    until = time.monotonic() + 5
+    until = time.monotonic() + 20
     while not condition():
         assert time.monotonic() < until
         time.sleep(0.005)

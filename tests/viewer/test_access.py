@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from starlette.testclient import TestClient
-from starlette.websockets import WebSocketDisconnect
+from starlette.websockets import WebSocket, WebSocketDisconnect
 from still import StillRenderer, wait_for
 
 import airlight as al
@@ -419,8 +419,9 @@ def test_sockets_end_that_take_nothing(viewer: Viewer, limits: Limits) -> None:
 
         async def accept(self) -> None: ...
 
-        async def receive_bytes(self) -> bytes:
-            return self.messages.pop() if self.messages else await self.send_bytes(b"")
+        async def receive(self) -> dict[str, Any]:
+            data = self.messages.pop() if self.messages else await self.send_bytes(b"")
+            return {"type": "websocket.receive", "bytes": data}
 
         async def send_bytes(self, data: bytes) -> Any:
             await asyncio.Event().wait()
@@ -455,26 +456,23 @@ def test_pages_that_wait_are_told_why_nothing_comes(kind: type[al.AirlightError]
 
 def test_who_goes_while_being_sent_to_has_gone(viewer: Viewer) -> None:
     """Sending fails first, and the code with which the page was closed is still that of the socket."""
+    failed = asyncio.Event()
+    events: list[dict[str, Any]] = [{"type": "websocket.connect"}, {"type": "websocket.receive", "bytes": packed(HELLO)}]
 
-    class Closing:
-        query_params: dict[str, str] = {}  # noqa: RUF012
-        has_failed = False
+    async def receive() -> dict[str, Any]:
+        if events:
+            return events.pop(0)
+        await failed.wait()
+        return {"type": "websocket.disconnect", "code": 1001}
 
-        async def accept(self) -> None: ...
-
-        async def receive_bytes(self) -> bytes:
-            for _ in range(9):
-                await asyncio.sleep(0)
-            if not self.has_failed:
-                return packed(HELLO)
-            raise WebSocketDisconnect(1001)
-
-        async def send_bytes(self, data: bytes) -> None:
-            self.has_failed = True
+    async def send(event: dict[str, Any]) -> None:
+        if event["type"] == "websocket.send":
+            failed.set()
             raise OSError
 
     lobby = Lobby(viewer)
-    asyncio.run(asyncio.wait_for(connected(Closing(), lobby, Limits()), 5))
+    socket = WebSocket({"type": "websocket", "query_string": b"", "headers": []}, receive, send)  # type: ignore[arg-type]
+    asyncio.run(asyncio.wait_for(connected(socket, lobby, Limits()), 5))
     assert lobby.empty_s() > 0
 
 

@@ -45,16 +45,17 @@ def _failed(why: str) -> dict[str, Any]:
 
 def measured_in_vtk(plan: Plan) -> list[dict[str, Any]]:
     """Time and error of VTK's mappers, drawn in this process."""
-    from .vtk_side import MAPPERS, vtk_picture
+    from .vtk_side import mappers_of, vtk_picture
 
     known = {name: case.scene for name, case in cases(plan.voxels).items() if case.in_vtk}
+    pairs = sum(len(mappers_of(scene)) for scene in known.values())
     rows = []
     for name, scene in known.items():
-        for label, mapper in MAPPERS.items():
+        for label, mapper in mappers_of(scene).items():
             small, large = (vtk_picture(scene, size, mapper) for size in (plan.error_size_px, plan.size_px))
             truth = small.draw(CONVERGED_STEP)
             jobs = {str(step): (lambda step=step, large=large: large.draw(step)) for step in STEPS}
-            timed = side_by_side(jobs, plan.repeats, seconds=plan.seconds / len(known) / len(MAPPERS))
+            timed = side_by_side(jobs, plan.repeats, seconds=plan.seconds / pairs)
             for step in STEPS:
                 total = spread([1e3 * seconds for seconds in timed[str(step)].wall])
                 row = {"scene": name, "renderer": label, "step": step, "milliseconds": {"total": total}}

@@ -83,7 +83,7 @@ def cases(voxels: int) -> dict[str, Case]:
         "bone, unlit": Case(_scene(body, bone(), Look(shade="none")), in_vtk=True),
         "flow, unlit": Case(_scene(speed, flow(), Look(shade="none"))),
         "cloud, nowhere empty": Case(_scene(cloud, haze(cloud), Look(shade="none")), in_vtk=True),
-        "shells, surface": Case(_scene(rings, layered, Look(integrate=FirstHit(iso=200.0)))),
+        "shells, surface": Case(_scene(rings, layered, Look(integrate=FirstHit(iso=200.0))), in_vtk=True),
         "shells, maximum": Case(_scene(rings, layered, Look(integrate="mip"))),
     }
 

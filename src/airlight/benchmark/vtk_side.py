@@ -16,12 +16,20 @@ import numpy as np
 
 from ..scene import Layer, Scene
 from ..stages.camera import Orthographic
+from ..stages.integrate import FirstHit
 from ..stages.shade import BlinnPhong
 from ..transfer import TransferFunction
 from ..volume import Volume
 
 POINTS_PER_SEGMENT = 256
 MAPPERS = {"VTK GPU mapper": "vtkGPUVolumeRayCastMapper", "VTK CPU mapper": "vtkFixedPointVolumeRayCastMapper"}
+
+
+def mappers_of(scene: Scene) -> dict[str, str]:
+    """VTK's mappers by label that draw a scene: surfaces of equal value are drawn by the one on the GPU alone."""
+    if isinstance(scene.layers[0].look.integrate, FirstHit):
+        return {label: mapper for label, mapper in MAPPERS.items() if "GPU" in mapper}
+    return MAPPERS
 
 
 def load_vtk() -> Any:
@@ -80,7 +88,10 @@ def vtk_picture(scene: Scene, size: tuple[int, int], mapper: str) -> VtkPicture:
     ray_caster.SetAutoAdjustSampleDistances(False)
     ray_caster.SetLockSampleDistanceToInputSpacing(False)
     ray_caster.SetImageSampleDistance(1.0)
-    ray_caster.SetBlendModeToComposite()
+    if isinstance(layer.look.integrate, FirstHit):
+        ray_caster.SetBlendModeToIsoSurface()
+    else:
+        ray_caster.SetBlendModeToComposite()
     volume = vtk.vtkVolume()
     volume.SetMapper(ray_caster)
     volume.SetProperty(volume_property(vtk, layer))
@@ -110,8 +121,9 @@ def image_data(vtk: Any, volume: Volume) -> Any:
 
 
 def volume_property(vtk: Any, layer: Layer) -> Any:
-    """Function with opacities of one voxel's length, and shading."""
-    function = layer.transfer
+    """Function with opacities of one voxel's length, and shading; or an opaque surface in its colour."""
+    function, integrate = layer.transfer, layer.look.integrate
+    is_surface = isinstance(integrate, FirstHit)
     assert isinstance(function, TransferFunction)
     unit = min(layer.volume.spacing)
     # Extinction is linear between control points, opacity is not: give it many points.
@@ -122,8 +134,10 @@ def volume_property(vtk: Any, layer: Layer) -> Any:
     colour.SetColorSpaceToRGB()
     for value, (r, g, b), e in zip(values, rgb, extinction, strict=True):
         colour.AddRGBPoint(value, r, g, b)
-        opacity.AddPoint(value, 1 - np.exp(-e * unit))
+        opacity.AddPoint(value, 1.0 if is_surface else 1 - np.exp(-e * unit))
     made = vtk.vtkVolumeProperty()
+    if isinstance(integrate, FirstHit):
+        made.GetIsoSurfaceValues().SetValue(0, integrate.iso)
     made.SetColor(colour)
     made.SetScalarOpacity(opacity)
     made.SetScalarOpacityUnitDistance(unit)

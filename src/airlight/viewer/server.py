@@ -123,17 +123,23 @@ async def _talk(connection: Any, lobby: Lobby, limits: Limits, outbox: Outbox) -
 
 async def _heard(connection: Any, session: Session, limits: Limits, send: Send) -> int:
     """Hand messages of a client to its session; returns the code of why that cannot go on."""
+    from starlette.websockets import WebSocketDisconnect
+
     pace = Pace(limits.messages_per_s, limits.burst)
     while True:
-        try:
-            frame = await connection.receive_bytes()
-            if len(frame) > limits.message_bytes:
-                return TOO_LONG
-            message, buffers = unpacked(frame)
-        except (ValueRangeError, KeyError):  # no message; or text, not bytes
+        # By the plain event: a page that was closed while it was being sent something has told its code all the same.
+        event = await connection.receive()
+        if event["type"] == "websocket.disconnect":
+            raise WebSocketDisconnect(event["code"])
+        frame = event.get("bytes")
+        if frame is None:  # text
             return NOT_UNDERSTOOD
-        except RuntimeError:  # closed from this side meanwhile
-            return CUT
+        if len(frame) > limits.message_bytes:
+            return TOO_LONG
+        try:
+            message, buffers = unpacked(frame)
+        except ValueRangeError:
+            return NOT_UNDERSTOOD
         if session.has_ended:
             return AGAIN  # whoever comes back finds another
         await asyncio.to_thread(session.receive, message, buffers, send)
