@@ -27,9 +27,15 @@ MAPPERS = {"VTK GPU mapper": "vtkGPUVolumeRayCastMapper", "VTK CPU mapper": "vtk
 
 def mappers_of(scene: Scene) -> dict[str, str]:
     """VTK's mappers by label that draw a scene: surfaces of equal value are drawn by the one on the GPU alone."""
-    if isinstance(scene.layers[0].look.integrate, FirstHit):
+    if surface_value(scene.layers[0]) is not None:
         return {label: mapper for label, mapper in MAPPERS.items() if "GPU" in mapper}
     return MAPPERS
+
+
+def surface_value(layer: Layer) -> float | None:
+    """Value of the surface that a layer is drawn as; None where it is a volume."""
+    integrate = layer.look.integrate
+    return integrate.iso if isinstance(integrate, FirstHit) else None
 
 
 def load_vtk() -> Any:
@@ -88,10 +94,8 @@ def vtk_picture(scene: Scene, size: tuple[int, int], mapper: str) -> VtkPicture:
     ray_caster.SetAutoAdjustSampleDistances(False)
     ray_caster.SetLockSampleDistanceToInputSpacing(False)
     ray_caster.SetImageSampleDistance(1.0)
-    if isinstance(layer.look.integrate, FirstHit):
-        ray_caster.SetBlendModeToIsoSurface()
-    else:
-        ray_caster.SetBlendModeToComposite()
+    is_surface = surface_value(layer) is not None
+    (ray_caster.SetBlendModeToIsoSurface if is_surface else ray_caster.SetBlendModeToComposite)()
     volume = vtk.vtkVolume()
     volume.SetMapper(ray_caster)
     volume.SetProperty(volume_property(vtk, layer))
@@ -122,8 +126,7 @@ def image_data(vtk: Any, volume: Volume) -> Any:
 
 def volume_property(vtk: Any, layer: Layer) -> Any:
     """Function with opacities of one voxel's length, and shading; or an opaque surface in its colour."""
-    function, integrate = layer.transfer, layer.look.integrate
-    is_surface = isinstance(integrate, FirstHit)
+    function, iso = layer.transfer, surface_value(layer)
     assert isinstance(function, TransferFunction)
     unit = min(layer.volume.spacing)
     # Extinction is linear between control points, opacity is not: give it many points.
@@ -134,10 +137,10 @@ def volume_property(vtk: Any, layer: Layer) -> Any:
     colour.SetColorSpaceToRGB()
     for value, (r, g, b), e in zip(values, rgb, extinction, strict=True):
         colour.AddRGBPoint(value, r, g, b)
-        opacity.AddPoint(value, 1.0 if is_surface else 1 - np.exp(-e * unit))
+        opacity.AddPoint(value, 1.0 if iso is not None else 1 - np.exp(-e * unit))
     made = vtk.vtkVolumeProperty()
-    if isinstance(integrate, FirstHit):
-        made.GetIsoSurfaceValues().SetValue(0, integrate.iso)
+    if iso is not None:
+        made.GetIsoSurfaceValues().SetValue(0, iso)
     made.SetColor(colour)
     made.SetScalarOpacity(opacity)
     made.SetScalarOpacityUnitDistance(unit)

@@ -1,4 +1,5 @@
 // What panels get: the state, edits of it, questions to the session, the picture, and an overlay above it.
+import { stroke } from "./editor/steady.js";
 import { piled } from "./gestures.js";
 import { cross, dot, minus, plus, times, unit } from "./vectors.js";
 
@@ -8,7 +9,6 @@ const CUT = { where: "connection", what: "was cut,", remedy: "and is tried again
 export function makeView(model, canvas, overlay) {
   const listeners = new Map();
   const asked = new Map();
-  const stamp = Math.random().toString(36).slice(2, 10);
   let number = 0;
   let state = null;
   let frame = null;
@@ -30,7 +30,7 @@ export function makeView(model, canvas, overlay) {
     edit: (path, value, merge) => view.ops([{ op: "set", path, value }], merge),
     /** Send an edit; returns its id, which the state or the error that answers it has as `answers`. */
     ops(ops, merge) {
-      const id = `${stamp}${++number}`;
+      const id = stroke("edit");
       view.send({ type: "edit", id, ops, merge });
       return id;
     },

@@ -18,6 +18,7 @@ import package::faces::{Face, cap_of, face_of, lit_cap};
 import package::front::{Front, next_slab};
 import package::kept::Kept;
 import package::ray::{Ray, INFINITE};
+import package::sample::Sample;
 import package::several::ends::{filled_ends, sample_here};
 import package::several::mixing::{Caps, Mixed, depth_per_alpha};
 import package::walk::{Fetched, Line, fetch, is_hidden, is_idle, line_of, next_block};
@@ -177,11 +178,9 @@ fn cuts_of(number: u32, cut: Fetches, p_world: vec3f, t_world: f32, ray: Ray) ->
 
 // The solid faces of a cut.
 fn caps_of(number: u32, cut: Fetches, p_world: vec3f, t_world: f32, ray: Ray) -> Caps {
-  let here = sample_here(cut.own, p_world);
-  let cap = cap_of(number, here);
   let rest = rest_caps_of(number, cut.rest, p_world, t_world, ray);
-  if (cap.alpha <= 0.0 || cut.own.t_world != t_world) { return rest; }
-  return Caps(rest.rgb + lit_cap(cap, number, here, ray), rest.count + 1.0);
+  if (cut.own.t_world != t_world) { return rest; }
+  return with_cap(rest, number, sample_here(cut.own, p_world), ray);
 }
 
 // The faces of all layers, of which some are cut here by clips of their own.
@@ -195,7 +194,10 @@ fn own_caps_of(lines: Lines, cut: Fetches, p_world: vec3f, t_world: f32, ray: Ra
   let rest = rest_own_caps_of(lines.rest, cut.rest, p_world, t_world, ray);
   let number = select(select(0u, lines.far, lines.own.leave == t_world), lines.near, lines.own.enter == t_world);
   if (number == 0u) { return rest; }
-  let here = sample_here(cut.own, p_world);
+  return with_cap(rest, number, sample_here(cut.own, p_world), ray);
+}
+
+fn with_cap(rest: Caps, number: u32, here: Sample, ray: Ray) -> Caps {
   let cap = cap_of(number, here);
   if (cap.alpha <= 0.0) { return rest; }
   return Caps(rest.rgb + lit_cap(cap, number, here, ray), rest.count + 1.0);

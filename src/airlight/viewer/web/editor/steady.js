@@ -3,7 +3,7 @@ const LONGEST_MS = 250;
 let strokes = 0;
 const stamp = Math.random().toString(36).slice(2, 8);
 
-/** A name for all edits of one drag, so that they are one step of undo. */
+/** A name that nothing else has: of all edits of one drag, so that they are one step of undo, or of one edit. */
 export const stroke = (what) => `${what}:${stamp}${++strokes}`;
 
 /** Sends edits of a view, the newest of a stroke in place of those that wait: { put(ops, merge), flush(), pending() }. */
