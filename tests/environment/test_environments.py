@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 import airlight as al
 from airlight.environment import maps, sphere
 from airlight.environment.faces import FACES
+from airlight.keeping import Kept
 from airlight.reference import environment as truth
 
 ANALYTIC = [al.Environment.studio(), al.Environment.sky(), al.Environment.white((0.2, 0.5, 1.0))]
@@ -34,6 +35,13 @@ def octahedral_at(layer: np.ndarray, directions: np.ndarray) -> np.ndarray:
 def some_directions(count: int, rng: np.random.Generator) -> np.ndarray:
     found = rng.normal(size=(count, 3))
     return found / np.linalg.norm(found, axis=1, keepdims=True)
+
+
+@pytest.fixture
+def small_maps(monkeypatch):
+    """Maps of few texels, kept apart from the whole ones."""
+    for name, value in (("TEXELS", 9), ("ROWS", 8), ("LEAST_ROWS", 8), ("_KEPT", Kept(4))):
+        monkeypatch.setattr(maps, name, value)
 
 
 # -- pictures
@@ -63,14 +71,14 @@ def test_faces_are_seen_from_inside(face):
 
 
 @pytest.mark.parametrize("environment", ANALYTIC, ids=lambda e: e.source.kind)
-def test_equal_sources_share_their_maps(environment):
+def test_equal_sources_share_their_maps(small_maps, environment):
     again = al.Environment.from_dict(environment.to_dict())
     assert again == environment
     assert hash(again) == hash(environment)
     assert maps.light_maps(again.source) is maps.light_maps(environment.turned(1.0).source)
 
 
-def test_pictures_are_equal_by_content(rng):
+def test_pictures_are_equal_by_content(small_maps, rng):
     pixels = rng.uniform(0, 2, (8, 16, 3))
     one, two = al.Environment.from_picture(pixels), al.Environment.from_picture(pixels.astype(np.float32))
     assert one == two

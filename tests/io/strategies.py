@@ -48,6 +48,6 @@ def arrays(draw: st.DrawFn, least: int = 3, most: int = 5) -> np.ndarray:
     """Array of 3 to 5 axes, any dtype, small."""
     dtype = np.dtype(draw(st.sampled_from(DTYPES)))
     shape = tuple(draw(st.lists(st.integers(1, 5), min_size=least, max_size=most)))
-    if len(shape) == 4 and shape[-1] in (3, 4) and dtype.itemsize == 1:
+    if len(shape) == 4 and shape[-1] in (3, 4):
         shape = (*shape[:-1], 2)  # would be taken for colours
     return draw(hnp.arrays(dtype, shape))

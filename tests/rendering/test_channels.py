@@ -63,14 +63,14 @@ def compare(renderer: al.Renderer, drawn: al.Scene, step: float = 1.0, most: flo
 @pytest.mark.parametrize("count", COUNTS)
 @pytest.mark.parametrize("shade", ["none", "blinn_phong"])
 @pytest.mark.parametrize("transfer", ["postclassified", "preintegrated"])
-def test_parity(any_renderer, count, shade, transfer):
-    compare(any_renderer, scene(channels(count), mixture(count), transfer=transfer, shade=shade))
+def test_parity(either_renderer, count, shade, transfer):
+    compare(either_renderer, scene(channels(count), mixture(count), transfer=transfer, shade=shade))
 
 
 @pytest.mark.parametrize("field", ["nearest", "linear", "linear_exact"])
 @pytest.mark.parametrize("gradient", ["central", "sobel", "precomputed"])
-def test_parity_of_fields_and_gradients(any_renderer, field, gradient):
-    compare(any_renderer, scene(channels(5), mixture(5), field=field, gradient=gradient))
+def test_parity_of_fields_and_gradients(either_renderer, field, gradient):
+    compare(either_renderer, scene(channels(5), mixture(5), field=field, gradient=gradient))
 
 
 @pytest.mark.parametrize("camera", ["orthographic", "inside", "cut"])
@@ -96,7 +96,7 @@ def test_parity_of_associated_functions(any_renderer, transfer):
 
 @pytest.mark.parametrize("dtype", ["uint8", "int8", "int16", "uint16", "int32", "float16", "float64"])
 @pytest.mark.parametrize("count", [2, 5])
-def test_sample_types(any_renderer, dtype, count):
+def test_sample_types(either_renderer, dtype, count):
     volume = (
         channels(count, "int8" if dtype == "int8" else dtype)
         if dtype != "int8"
@@ -104,7 +104,7 @@ def test_sample_types(any_renderer, dtype, count):
             np.minimum(channels(count).array, 127).astype(np.int8), world_from_index=channels(count).world_from_index
         )
     )
-    compare(any_renderer, scene(volume, mixture(count), shade="none"))
+    compare(either_renderer, scene(volume, mixture(count), shade="none"))
 
 
 def holed(count: int) -> al.Volume:
@@ -119,8 +119,8 @@ def holed(count: int) -> al.Volume:
 @pytest.mark.parametrize("field", ["nearest", "linear"])
 @pytest.mark.parametrize("transfer", ["postclassified", "preintegrated"])
 @pytest.mark.parametrize("shade", ["none", "blinn_phong"])
-def test_empty_samples_are_nothing_of_their_channel(any_renderer, field, transfer, shade):
-    compare(any_renderer, scene(holed(5), mixture(5), field=field, transfer=transfer, shade=shade))
+def test_empty_samples_are_nothing_of_their_channel(either_renderer, field, transfer, shade):
+    compare(either_renderer, scene(holed(5), mixture(5), field=field, transfer=transfer, shade=shade))
 
 
 @pytest.mark.parametrize("shape", [(1, 20, 30), (20, 1, 30), (12, 13, 1), (2, 2, 2)])
@@ -310,7 +310,7 @@ def test_precomputed_gradients_follow_the_channels_that_are_shown(renderer):
 
 @pytest.mark.parametrize("count", [2, 5])
 @pytest.mark.parametrize("field", ["linear", "linear_exact"])
-def test_channels_of_very_different_ranges(any_renderer, field, count):
+def test_channels_of_very_different_ranges(either_renderer, field, count):
     """A channel whose values differ by thousandths beside one with thousands: half floats hold each in its own range."""
     scales, base = np.array([1e-3, 1e4, 1.0, 1e-2, 1e-3][:count]), channels(count)
     shifts = np.array([7.0, 0.0, -3.0, 0.0, 2.0][:count])
@@ -321,8 +321,8 @@ def test_channels_of_very_different_ranges(any_renderer, field, count):
         for c, (scale, shift) in enumerate(zip(scales, shifts, strict=True))
     ]
     drawn = scene(volume, al.Channels([al.Channel(c, tf) for c, tf in enumerate(moved)]), field=field)
-    compare(any_renderer, drawn)
-    texture = any_renderer.render(drawn, SIZE).stats["layers"][0]["textures"][0]
+    compare(either_renderer, drawn)
+    texture = either_renderer.render(drawn, SIZE).stats["layers"][0]["textures"][0]
     assert texture["error"] == max(texture["channel_errors"])
     for error, scale in zip(texture["channel_errors"], scales, strict=True):
         assert error <= 2.0**-12 * 100 * scale

@@ -65,9 +65,9 @@ def compare(renderer, drawn, tolerance=LEVEL, **options):
 
 @pytest.mark.parametrize("camera", ["perspective", "orthographic", "inside", "cut"])
 @pytest.mark.parametrize("kind", CLIPS)
-def test_pieces_and_faces(any_renderer, kind, camera):
+def test_pieces_and_faces(either_renderer, kind, camera):
     for look in ({"lighting": "interpolated"}, {"integrate": al.integrate.FirstHit(iso=70.0)}):
-        image = compare(any_renderer, clipped(CLIPS[kind], camera=camera, **look))
+        image = compare(either_renderer, clipped(CLIPS[kind], camera=camera, **look))
         assert image.stats["clips"]["cutting"] == len(CLIPS[kind])
 
 

@@ -61,11 +61,11 @@ def closed_form(off: np.ndarray, lit: bool, medium: float) -> tuple[np.ndarray, 
 
 @pytest.mark.parametrize("step", [0.7, 5.0])
 @pytest.mark.parametrize(("lit", "medium"), [(False, 0.0), (True, 0.0), (False, 0.05)])
-def test_shells_of_a_ball(any_renderer, lit, medium, step):
+def test_shells_of_a_ball(either_renderer, lit, medium, step):
     """Light at the very hits, colours of both sides, the medium between them, depth: in closed form at any step."""
     drawn, off = shells(lit, medium)
     # Values that are put right for curvature would move the edge of the fog in the slabs beside the shells.
-    image = any_renderer.render(drawn, (40, 40), step=step, driver=al.driver.March(refine="secant", curved=False))
+    image = either_renderer.render(drawn, (40, 40), step=step, driver=al.driver.March(refine="secant", curved=False))
     rgba, depth = closed_form(off, lit, medium)
     # A chord that is shorter than a step may fall between two samples.
     sure = (np.abs(off - RADII[1]) > 1.0 + 0.02 * step**2) & (off < RADII[0] - 0.8)
@@ -79,8 +79,8 @@ def test_shells_of_a_ball(any_renderer, lit, medium, step):
 
 @pytest.mark.parametrize("refine", ["bisection", "secant", "exact"])
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_parity(any_renderer, name, refine):
-    compare(any_renderer, with_function(FUNCTIONS[name]), step=2.5, refine=refine, strays=0.002)
+def test_parity(either_renderer, name, refine):
+    compare(either_renderer, with_function(FUNCTIONS[name]), step=2.5, refine=refine, strays=0.002)
 
 
 @pytest.mark.parametrize("transfer", ["preintegrated_fast", "preintegrated_exact"])
@@ -104,9 +104,9 @@ def test_gaps_hold_no_surface(any_renderer, name):
 
 @pytest.mark.parametrize("lighting", ["interpolated", "averaged"])
 @pytest.mark.parametrize("name", ["ten", "in a medium"])
-def test_light_kept_of_ends(any_renderer, name, lighting):
+def test_light_kept_of_ends(either_renderer, name, lighting):
     """What is known of how ends are lit goes on from surface to surface."""
-    compare(any_renderer, with_function(FUNCTIONS[name], lighting=lighting), step=2.5, refine="bisection", strays=0.002)
+    compare(either_renderer, with_function(FUNCTIONS[name], lighting=lighting), step=2.5, refine="bisection", strays=0.002)
 
 
 @pytest.mark.parametrize("integrate", ["weighted_sum", "xray", "first_hit"])

@@ -66,9 +66,9 @@ def furnace(rgb, **parameters) -> al.Scene:
 
 @pytest.mark.parametrize("roughness", [0.0, 0.2, 0.5, 0.8, 1.0])
 @pytest.mark.parametrize("metallic", [0.0, 0.5, 1.0])
-def test_a_white_environment_gives_back_the_albedo(any_renderer, roughness, metallic):
+def test_a_white_environment_gives_back_the_albedo(either_renderer, roughness, metallic):
     albedo = np.array([0.9, 0.5, 0.2])
-    rgba = any_renderer.render(furnace(tuple(albedo), roughness=roughness, metallic=metallic, reflectance=0.0), SIZE).rgba
+    rgba = either_renderer.render(furnace(tuple(albedo), roughness=roughness, metallic=metallic, reflectance=0.0), SIZE).rgba
     covered = rgba[..., 3] > 0.9
     assert covered.sum() > 50
     assert np.abs(rgba[covered, :3] / rgba[covered, 3:] - albedo).max() < 1e-3
@@ -76,8 +76,8 @@ def test_a_white_environment_gives_back_the_albedo(any_renderer, roughness, meta
 
 @pytest.mark.parametrize("roughness", [0.0, 0.3, 0.7, 1.0])
 @pytest.mark.parametrize("reflectance", [0.04, 0.5, 1.0])
-def test_white_in_a_white_environment_is_white_under_any_coat(any_renderer, roughness, reflectance):
-    rgba = any_renderer.render(furnace((1, 1, 1), roughness=roughness, reflectance=reflectance), SIZE).rgba
+def test_white_in_a_white_environment_is_white_under_any_coat(either_renderer, roughness, reflectance):
+    rgba = either_renderer.render(furnace((1, 1, 1), roughness=roughness, reflectance=reflectance), SIZE).rgba
     assert np.abs(rgba[..., :3] - rgba[..., 3:]).max() < 1e-3
 
 
@@ -157,7 +157,7 @@ def test_a_turn_makes_no_maps_and_links_no_program(renderer):
 
 @pytest.mark.parametrize("camera", ["perspective", "orthographic", "inside"])
 @pytest.mark.parametrize("tone", ["linear", "reinhard"])
-def test_background_parity(any_renderer, camera, tone):
+def test_background_parity(either_renderer, camera, tone):
     made = al.Scene(
         blobs(),
         transfer=function(),
@@ -165,7 +165,7 @@ def test_background_parity(any_renderer, camera, tone):
         look=al.Look(shade="none", tone=tone),
         background=SMOOTH.turned(0.7, (1, 1, 0)),
     )
-    image, truth = any_renderer.render(made, SIZE), reference.render(made, SIZE)
+    image, truth = either_renderer.render(made, SIZE), reference.render(made, SIZE)
     assert np.abs(image.rgba - truth.rgba).max() <= LEVEL
     assert (image.rgba[..., 3] == 1).all()
     assert np.isinf(image.depth).any() == np.isinf(truth.depth).any()

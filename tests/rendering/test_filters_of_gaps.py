@@ -150,7 +150,7 @@ def blurred(shape, seed) -> np.ndarray:
 
 @pytest.mark.parametrize("stage", [al.field.BSpline(), al.field.CatmullRom(), al.field.WindowedSinc(radius=2)], ids=name_of)
 @pytest.mark.parametrize("case", ["gaps", "channels", "channels with gaps"])
-def test_frames(any_renderer, stage, case):
+def test_frames(either_renderer, stage, case):
     """Lit frames against the reference."""
     channels, gaps = "channels" in case, "gaps" in case
     shape = (3, 12, 13, 14) if channels else (12, 13, 14)
@@ -160,7 +160,7 @@ def test_frames(any_renderer, stage, case):
     transfer = MIXTURE[:3] if channels else al.TransferFunction([(-20, "navy", 0.0), (30, "gold", 0.3), (60, "white", 0.5)])
     look = al.Look(field=stage, gradient="analytic", transfer="postclassified")
     drawn = al.Scene(sheared(samples), transfer=transfer, camera="iso", look=look, background=None)
-    image = any_renderer.render(drawn, (32, 24))
+    image = either_renderer.render(drawn, (32, 24))
     truth = reference.render(drawn, (32, 24))
     off = np.abs(image.rgba - truth.rgba).max(axis=-1)
     assert truth.rgba[..., 3].max() > 0.5

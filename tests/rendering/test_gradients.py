@@ -123,9 +123,9 @@ def test_normals_have_unit_length_between_voxels(renderer, gradient):
 
 @pytest.mark.parametrize("camera", ["perspective", "inside"])
 @pytest.mark.parametrize("gradient", FORMATS, ids=str)
-def test_formats_follow_the_reference(any_renderer, gradient, camera):
+def test_formats_follow_the_reference(either_renderer, gradient, camera):
     drawn = scene(gradient=gradient, camera=camera, lighting="interpolated")
-    image, truth = any_renderer.render(drawn, SIZE), reference.render(drawn, SIZE)
+    image, truth = either_renderer.render(drawn, SIZE), reference.render(drawn, SIZE)
     assert np.abs(image.rgba - truth.rgba).max() <= LEVEL
     told = image.stats["layers"][0]
     assert told["errors"]["gradient: component [data/world]"] > 0

@@ -34,9 +34,9 @@ def sampled(field, half: int = 20, spacing: float = 0.5, iso: float = 0.0, **hit
 
 @pytest.mark.parametrize("camera", ["perspective", "inside"])
 @pytest.mark.parametrize("colour_by", COLOUR_BY)
-def test_parity(any_renderer, colour_by, camera):
+def test_parity(either_renderer, colour_by, camera):
     way = al.integrate.FirstHit(iso=70.0, colour_by=colour_by, colours="turbo")
-    check(any_renderer, scene(camera=camera, field="linear_exact", integrate=way), strays=0.02)
+    check(either_renderer, scene(camera=camera, field="linear_exact", integrate=way), strays=0.02)
 
 
 @pytest.mark.parametrize("gradient", ["sobel", "analytic", "precomputed"])
@@ -52,9 +52,9 @@ def test_parity_of_gradients(renderer, field, gradient):
     "place", [{}, {"point": (5, -3, 2)}, {"point": (5, -3, 2), "normal": (1, 2, -0.5)}, {"normal": (0, 0, 3)}]
 )
 @pytest.mark.parametrize("camera", ["perspective", "orthographic", "cut"])
-def test_distances(any_renderer, place, camera):
+def test_distances(either_renderer, place, camera):
     way = al.integrate.FirstHit(iso=70.0, colour_by="distance", **place)
-    check(any_renderer, scene(camera=camera, field="linear_exact", integrate=way, shade="none"), strays=0.002)
+    check(either_renderer, scene(camera=camera, field="linear_exact", integrate=way, shade="none"), strays=0.002)
 
 
 def check(renderer, drawn, strays: float) -> None:

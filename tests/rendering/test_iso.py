@@ -38,8 +38,8 @@ def compare(renderer, drawn, step=1.0, strays=0.0, **driver) -> None:
 
 @pytest.mark.parametrize("camera", ["perspective", "orthographic", "inside", "cut"])
 @pytest.mark.parametrize("refine", REFINES)
-def test_parity(any_renderer, refine, camera):
-    compare(any_renderer, at(70.0, camera=camera), step=2.5, refine=refine, strays=0.002)
+def test_parity(either_renderer, refine, camera):
+    compare(either_renderer, at(70.0, camera=camera), step=2.5, refine=refine, strays=0.002)
 
 
 @pytest.mark.parametrize("step", [0.4, 1.0, 7.0])
@@ -62,14 +62,14 @@ TWO_COLOURS = al.TransferFunction.from_surfaces([al.Surface(60.0, "gold", back_c
 @pytest.mark.parametrize("camera", ["perspective", "inside", "cut"])
 @pytest.mark.parametrize("side", ["above", "below", "both"])
 @pytest.mark.parametrize("tf", [None, TWO_COLOURS], ids=["medium", "surface"])
-def test_parity_of_sides(any_renderer, side, camera, tf):
+def test_parity_of_sides(either_renderer, side, camera, tf):
     base = at(60.0, camera=camera)
     layer = base.layers[0]
     look = al.Look(field="linear_exact", integrate=al.integrate.FirstHit(iso=60.0, side=side))
     made = tf or layer.transfer
     drawn = al.Scene(layer.volume, transfer=made, camera=base.camera, look=look, lights=base.lights, background=None)
-    compare(any_renderer, drawn, step=1.5, strays=0.003)
-    skipped, whole = (any_renderer.render(drawn, SIZE, skip=skip) for skip in ("auto", "none"))
+    compare(either_renderer, drawn, step=1.5, strays=0.003)
+    skipped, whole = (either_renderer.render(drawn, SIZE, skip=skip) for skip in ("auto", "none"))
     assert np.quantile(np.abs(skipped.rgba - whole.rgba).max(axis=-1), 0.999) < 1e-3
 
 

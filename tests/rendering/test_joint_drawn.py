@@ -68,8 +68,8 @@ def compare(renderer, drawn: al.Scene, step: float = 1.0, tolerance: float = 3 *
 
 @pytest.mark.parametrize("transfer", WAYS)
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_functions(any_renderer, name, transfer):
-    compare(any_renderer, drawn_with(FUNCTIONS[name], shade="none", transfer=transfer))
+def test_functions(either_renderer, name, transfer):
+    compare(either_renderer, drawn_with(FUNCTIONS[name], shade="none", transfer=transfer))
 
 
 @pytest.mark.parametrize(("name", "entries"), [("value and gradient", 1024), ("and second", 160), ("associated", 1024)])
@@ -347,10 +347,10 @@ MIXED = JointFunction(
 
 @pytest.mark.parametrize(("holed", "shade"), [(False, "none"), (True, "blinn_phong")], ids=["full", "holed and lit"])
 @pytest.mark.parametrize("function", [TWO, THREE, MIXED], ids=["two", "three", "one and its gradient"])
-def test_variables_that_are_channels(any_renderer, function, shade, holed):
+def test_variables_that_are_channels(either_renderer, function, shade, holed):
     drawn = drawn_with(function, channels(holed), shade=shade)
     assert drawn.layers[0].stages()["field"].name.startswith("linear_channels")
-    compare(any_renderer, drawn, tolerance=4 * LEVEL)
+    compare(either_renderer, drawn, tolerance=4 * LEVEL)
 
 
 def test_the_layers_own_channel_is_the_value(renderer):

@@ -64,14 +64,14 @@ def styled(volume: al.Volume) -> al.Labels:
 
 @pytest.mark.parametrize("camera", ["perspective", "orthographic", "inside", "cut"])
 @pytest.mark.parametrize("place", [on_same_grid, on_other_grid])
-def test_parity(any_renderer, place, camera):
-    compare(any_renderer, scene(styled(place(parcels())), camera))
+def test_parity(either_renderer, place, camera):
+    compare(either_renderer, scene(styled(place(parcels())), camera))
 
 
 @pytest.mark.parametrize("transfer", ["postclassified", "preintegrated", "preintegrated_fast"])
 @pytest.mark.parametrize("shade", ["none", "blinn_phong"])
-def test_parity_of_looks(any_renderer, transfer, shade):
-    compare(any_renderer, scene(styled(on_other_grid(parcels())), transfer=transfer, shade=shade))
+def test_parity_of_looks(either_renderer, transfer, shade):
+    compare(either_renderer, scene(styled(on_other_grid(parcels())), transfer=transfer, shade=shade))
 
 
 @pytest.mark.parametrize("field", ["linear_exact", "nearest"])
@@ -117,18 +117,18 @@ def test_every_number_of_labels(renderer, count):
 
 @pytest.mark.parametrize("camera", ["perspective", "cut"])
 @pytest.mark.parametrize("place", [on_same_grid, on_other_grid])
-def test_parity_of_surfaces(any_renderer, place, camera):
+def test_parity_of_surfaces(either_renderer, place, camera):
     """What is hidden, or less than half opaque, is cut away; what lies behind it is seen."""
     labels = al.Labels(
         place(parcels()), {1: "red", 2: al.LabelStyle("lime", 0.4), 5: al.LabelStyle(opacity=0.6)}, hidden=[3, 8]
     )
     drawn = scene(labels, camera, integrate=al.integrate.FirstHit(iso=70.0), shade="blinn_phong")
-    image, truth = any_renderer.render(drawn, SIZE), reference.render(drawn, SIZE)
+    image, truth = either_renderer.render(drawn, SIZE), reference.render(drawn, SIZE)
     error = np.sort(np.abs(image.rgba - truth.rgba).max(axis=-1).ravel())
     assert error[: -(error.size // 200)].max() <= LEVEL  # at the very edge of a region a ray may meet it or not
     both = np.isfinite(image.depth) & np.isfinite(truth.depth)
     assert np.quantile(np.abs(image.depth[both] - truth.depth[both]), 0.98) < 0.05
-    uncut = any_renderer.render(scene(None, camera, integrate=al.integrate.FirstHit(iso=70.0)), SIZE)
+    uncut = either_renderer.render(scene(None, camera, integrate=al.integrate.FirstHit(iso=70.0)), SIZE)
     assert (image.depth[both] > uncut.depth[both] + 1).mean() > 0.02
 
 
@@ -288,11 +288,11 @@ def own_functions() -> dict[int, al.LabelStyle]:
 
 @pytest.mark.parametrize("transfer", ["postclassified", "preintegrated", "preintegrated_fast"])
 @pytest.mark.parametrize("place", [on_same_grid, on_other_grid])
-def test_parity_of_functions_of_regions(any_renderer, place, transfer):
+def test_parity_of_functions_of_regions(either_renderer, place, transfer):
     labels = al.Labels(place(parcels()), own_functions(), hidden=[3])
-    image = compare(any_renderer, scene(labels, transfer=transfer))
-    lit = compare(any_renderer, scene(labels, "cut", transfer=transfer, shade="blinn_phong"))
-    assert np.abs(image - draw(any_renderer, al.Labels(place(parcels()), hidden=[3]))).max() > 0.1
+    image = compare(either_renderer, scene(labels, transfer=transfer))
+    lit = compare(either_renderer, scene(labels, "cut", transfer=transfer, shade="blinn_phong"))
+    assert np.abs(image - draw(either_renderer, al.Labels(place(parcels()), hidden=[3]))).max() > 0.1
     assert lit.any()
 
 
@@ -356,8 +356,8 @@ def alone(styles=None, camera="perspective", transfer=None, size=(32, 36, 40), *
 
 @pytest.mark.parametrize("camera", ["perspective", "cut"])
 @pytest.mark.parametrize("shade", ["none", "blinn_phong"])
-def test_parity_without_an_image(any_renderer, camera, shade):
-    compare(any_renderer, alone(camera=camera, shade=shade, integrate=CLEAR))
+def test_parity_without_an_image(either_renderer, camera, shade):
+    compare(either_renderer, alone(camera=camera, shade=shade, integrate=CLEAR))
 
 
 def test_labels_without_an_image_are_drawn_by_default(renderer):

@@ -81,8 +81,8 @@ SCENES = {
 
 @pytest.mark.parametrize("camera", ["perspective", "orthographic", "inside", "cut"])
 @pytest.mark.parametrize("name", SCENES)
-def test_parity(any_renderer, name, camera):
-    compare(any_renderer, with_meshes(*SCENES[name], camera=camera))
+def test_parity(either_renderer, name, camera):
+    compare(either_renderer, with_meshes(*SCENES[name], camera=camera))
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -124,9 +124,9 @@ def compare(renderer, drawn: al.Scene, tolerance: float = LEVEL / 2) -> np.ndarr
     ids=["coarse", "a cell a voxel", "few cells"],
 )
 @pytest.mark.parametrize("transfer", ["preintegrated", "postclassified"])
-def test_parity(any_renderer, stage, transfer):
-    lit = compare(any_renderer, occluded(blobs(), function(), stage, transfer=transfer))
-    plain = any_renderer.render(occluded(blobs(), function(), "none", transfer=transfer), SIZE).rgba
+def test_parity(either_renderer, stage, transfer):
+    lit = compare(either_renderer, occluded(blobs(), function(), stage, transfer=transfer))
+    plain = either_renderer.render(occluded(blobs(), function(), "none", transfer=transfer), SIZE).rgba
     assert np.allclose(lit[..., 3], plain[..., 3], atol=1e-6)
     assert (lit[..., :3] <= plain[..., :3] + 1e-6).all()
     assert lit[..., 0].sum() < 0.9 * plain[..., 0].sum()

@@ -74,16 +74,16 @@ def test_steps(renderer, step):
 
 @pytest.mark.parametrize("field", ["nearest", "linear", "linear_exact"])
 @pytest.mark.parametrize("integrate", ["emission_absorption", "mip", "mean"])
-def test_empty_samples_do_not_spread(any_renderer, field, integrate):
+def test_empty_samples_do_not_spread(either_renderer, field, integrate):
     """NaN in the middle: transparent there, and neighbours keep their values."""
     holed = blobs().array.copy()
     holed[10:25, 12:20, 8:22] = np.nan
     volume = al.Volume(holed, world_from_index=blobs().world_from_index)
     drawn = scene(volume, field=field, integrate=integrate, shade="none")
-    compare(any_renderer, drawn)
+    compare(either_renderer, drawn)
     marked = al.Volume(np.where(np.isnan(holed), -99, holed), world_from_index=blobs().world_from_index, no_data=-99)
-    again = any_renderer.render(scene(marked, field=field, integrate=integrate, shade="none"), SIZE)
-    assert np.array_equal(again.rgba, any_renderer.render(drawn, SIZE).rgba)
+    again = either_renderer.render(scene(marked, field=field, integrate=integrate, shade="none"), SIZE)
+    assert np.array_equal(again.rgba, either_renderer.render(drawn, SIZE).rgba)
 
 
 def test_interleaved_offsets(renderer):

@@ -159,9 +159,9 @@ def test_depth_shaded_maximum_inside_a_slab(renderer):
 @pytest.mark.parametrize("name", ["attenuated_mip", "depth_shaded_mip", "local_mip"])
 @pytest.mark.parametrize("camera", ["perspective", "inside", "cut"])
 @pytest.mark.parametrize("step", [0.5, 2.0])
-def test_maxima_are_those_of_the_reference(any_renderer, name, camera, step):
+def test_maxima_are_those_of_the_reference(either_renderer, name, camera, step):
     drawn = scene(camera=camera, integrate=name)
-    image, truth = any_renderer.render(drawn, SIZE, step=step), reference.render(drawn, SIZE, step=step)
+    image, truth = either_renderer.render(drawn, SIZE, step=step), reference.render(drawn, SIZE, step=step)
     error = np.abs(image.rgba - truth.rgba).max(axis=-1)
     assert np.quantile(error, 0.995) <= LEVEL  # of two samples that are equally strong either may be shown
     met = np.isfinite(truth.depth)

@@ -104,14 +104,14 @@ def test_normals_of_a_volume_are_in_the_world_and_weighted_by_steepness():
 @pytest.mark.parametrize(
     "lighting", [Quantised(), Quantised("spiral", 300), Quantised("annealed", 64, seed=3), Quantised("spiral", 4)], ids=str
 )
-def test_stage(any_renderer, lighting, camera):
+def test_stage(either_renderer, lighting, camera):
     drawn = quantised(camera=camera, lighting=lighting)
-    image, truth = any_renderer.render(drawn, SIZE), reference.render(drawn, SIZE)
+    image, truth = either_renderer.render(drawn, SIZE), reference.render(drawn, SIZE)
     error = np.abs(image.rgba - truth.rgba).max(axis=-1)
     # Half floats, which the core device takes for these data, turn some of the voxels that are half way between two directions.
     assert np.quantile(error, 0.9) <= LEVEL / 4
     assert error.max() <= (25 * LEVEL if image.stats["core"] else LEVEL / 4)
-    exact = any_renderer.render(quantised(camera=camera, lighting="interpolated"), SIZE)
+    exact = either_renderer.render(quantised(camera=camera, lighting="interpolated"), SIZE)
     assert np.abs(image.rgba - exact.rgba).max() > LEVEL  # it is an approximation, and says which
     assert np.array_equal(image.rgba[..., 3], exact.rgba[..., 3])
     told = image.stats["layers"][0]

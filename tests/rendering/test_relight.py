@@ -39,11 +39,11 @@ CHANGES = {
 
 @pytest.mark.parametrize("camera", ["perspective", "orthographic", "inside", "cut"])
 @pytest.mark.parametrize("change", CHANGES)
-def test_lit_again_is_drawn_anew(any_renderer, camera, change):
+def test_lit_again_is_drawn_anew(either_renderer, camera, change):
     first = iso(camera)
-    image = any_renderer.render(first, SIZE, keep_hits=True)
+    image = either_renderer.render(first, SIZE, keep_hits=True)
     other = CHANGES[change](first)
-    again, anew = any_renderer.relight(image, other), any_renderer.render(other, SIZE)
+    again, anew = either_renderer.relight(image, other), either_renderer.render(other, SIZE)
     assert np.abs(again.rgba - anew.rgba).max() < 2e-4
     assert np.abs(again.rgb - anew.rgb).max() < 2e-4
     assert np.array_equal(again.depth, anew.depth)

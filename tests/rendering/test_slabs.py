@@ -91,9 +91,9 @@ def error(renderer: al.Renderer, tf: al.TransferFunction, **look) -> tuple[float
 
 @pytest.mark.parametrize("depth", [3.0, 10.0, 40.0])
 @pytest.mark.parametrize("kind", kinds())
-def test_deep_slabs_of_functions_that_bend_sharply(any_renderer, kind, depth):
+def test_deep_slabs_of_functions_that_bend_sharply(either_renderer, kind, depth):
     """Where no table is accurate slabs are cut at control points."""
-    found, known = error(any_renderer, function(kind, depth))
+    found, known = error(either_renderer, function(kind, depth))
     assert known["stages"]["transfer"] == "preintegrated_exact"
     assert found < CUT_ERROR < ACCURATE
     assert known["errors"]["transfer: colour of a slab"] == pytest.approx(CUT_ERROR, rel=0.1)
@@ -133,7 +133,7 @@ def test_slabs_of_one_value_beyond_a_step_at_the_very_end(renderer, side, transf
 @pytest.mark.parametrize("depth", [3.0, 40.0])
 @pytest.mark.parametrize("lighting", ["sampled", "interpolated"])
 @pytest.mark.parametrize("kind", ["steps", "random"])
-def test_cut_slabs_tell_where_light_comes_from(any_renderer, kind, lighting, depth):
+def test_cut_slabs_tell_where_light_comes_from(either_renderer, kind, lighting, depth):
     """The two ends of a slab are lit by different lights: their slopes differ."""
     tf = function(kind, depth)
     points = [(40 + 70 * v, rgb, e) for v, rgb, e in tf.points]
@@ -147,7 +147,7 @@ def test_cut_slabs_tell_where_light_comes_from(any_renderer, kind, lighting, dep
         lights=drawn.lights,
         background=None,
     )
-    image, truth = any_renderer.render(drawn, SIZE), reference.render(drawn, SIZE)
+    image, truth = either_renderer.render(drawn, SIZE), reference.render(drawn, SIZE)
     assert image.stats["layers"][0]["stages"]["transfer"] == "preintegrated_exact"
     assert np.abs(image.rgba - truth.rgba).max() < ACCURATE
 

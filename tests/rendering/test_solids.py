@@ -63,12 +63,12 @@ def strays(renderer, drawn: al.Scene, **options) -> int:
 
 @pytest.mark.parametrize("cuts", ["volume", "front", "back"])
 @pytest.mark.parametrize("camera", CAMERAS)
-def test_a_cube_is_a_box(any_renderer, camera, cuts):
+def test_a_cube_is_a_box(either_renderer, camera, cuts):
     low, high = tuple(MIDDLE - (10, 12, 14)), at(10, 12, 14)
     for keep, capped in (("inside", False), ("outside", True)):
         told = {"keep": keep, "cuts": cuts, "capped": capped}
         images = [
-            any_renderer.render(clipped(clip, camera=camera, lighting="interpolated"), SIZE)
+            either_renderer.render(clipped(clip, camera=camera, lighting="interpolated"), SIZE)
             for clip in (al.Clip.box(low=low, high=high, **told), al.Clip.mesh(cube(low, high), **told))
         ]
         assert np.abs(images[0].rgba - images[1].rgba).max() <= 1e-4
@@ -77,12 +77,12 @@ def test_a_cube_is_a_box(any_renderer, camera, cuts):
 
 @pytest.mark.parametrize("keep", ["inside", "outside"])
 @pytest.mark.parametrize("camera", ["perspective", "inside"])
-def test_parity(any_renderer, camera, keep):
+def test_parity(either_renderer, camera, keep):
     """Several pieces of a ray, faces lit by smooth normals, solid faces, and another clip beside it."""
     plane = al.Clip.plane(point=tuple(MIDDLE), normal=(0.2, 1, 0.4))
     for capped in (False, True):
         solid = al.Clip.mesh(ring(), keep=keep, capped=capped)
-        assert strays(any_renderer, clipped(solid, plane, camera=camera, lighting="interpolated")) <= 1
+        assert strays(either_renderer, clipped(solid, plane, camera=camera, lighting="interpolated")) <= 1
 
 
 def test_parity_of_flat_faces_and_surfaces(renderer):

@@ -56,14 +56,14 @@ def compare(
 
 @pytest.mark.parametrize("camera", ["perspective", "orthographic", "inside", "cut"])
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_parity(any_renderer, name, camera):
-    compare(any_renderer, with_function(FUNCTIONS[name], camera=camera, shade="none"))
+def test_parity(either_renderer, name, camera):
+    compare(either_renderer, with_function(FUNCTIONS[name], camera=camera, shade="none"))
 
 
 @pytest.mark.parametrize("camera", ["perspective", "orthographic"])
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_lit_parity(any_renderer, name, camera):
-    compare(any_renderer, with_function(FUNCTIONS[name], camera=camera))
+def test_lit_parity(either_renderer, name, camera):
+    compare(either_renderer, with_function(FUNCTIONS[name], camera=camera))
 
 
 @pytest.mark.parametrize("name", ["one", "two", "ten"])
@@ -92,13 +92,13 @@ def test_lighting(renderer, lighting):
 
 @pytest.mark.parametrize("transfer", ["preintegrated", "preintegrated_fast"])
 @pytest.mark.parametrize("field", ["nearest", "linear", "linear_exact"])
-def test_values_of_samples(any_renderer, field, transfer):
+def test_values_of_samples(either_renderer, field, transfer):
     """Whole numbers, and surfaces on them: neither lost nor doubled, on plateaus and ramps, seen from both sides."""
     stairs = np.round(blobs().array / 10).astype(np.uint8)
     volume = al.Volume(stairs, world_from_index=blobs().world_from_index)
     tf = al.TransferFunction.from_surfaces([Surface(v, (1, v / 12, 0.5), 0.3, "blue", 0.2) for v in (3, 5, 6, 9)])
     # A ray along the border of two voxels may fall to either.
-    compare(any_renderer, with_function(tf, volume, field=field, transfer=transfer, shade="none"), strays=0.01)
+    compare(either_renderer, with_function(tf, volume, field=field, transfer=transfer, shade="none"), strays=0.01)
 
 
 def test_gaps_hold_no_surface(any_renderer):
@@ -118,13 +118,13 @@ def rgba_along(renderer, values, tf, step=1.0, field="linear_exact", **look):
 
 @pytest.mark.parametrize("step", STEPS)
 @pytest.mark.parametrize("value", [0.5, 3.0, 4.123, 9.999, 10.0])
-def test_opacity_counts_once_whatever_the_step(any_renderer, step, value):
+def test_opacity_counts_once_whatever_the_step(either_renderer, step, value):
     """A ramp is crossed once: alpha is the opacity, and the depth is where the ramp has the value."""
     tf = al.TransferFunction.from_surfaces([Surface(value, (1, 0.5, 0.25), 0.6, (0, 0, 1), 0.7)])
-    up, up_depth = rgba_along(any_renderer, np.linspace(0, 10, 11), tf, step)
+    up, up_depth = rgba_along(either_renderer, np.linspace(0, 10, 11), tf, step)
     assert up == pytest.approx([0.6, 0.3, 0.15, 0.6], abs=1e-6)
     assert up_depth == pytest.approx(100 + value, abs=1e-3)
-    down, down_depth = rgba_along(any_renderer, np.linspace(10, 0, 11), tf, step)
+    down, down_depth = rgba_along(either_renderer, np.linspace(10, 0, 11), tf, step)
     assert down == pytest.approx([0, 0, 0.7, 0.7], abs=1e-6)
     assert down_depth == pytest.approx(110 - value, abs=1e-3)
 
@@ -225,14 +225,14 @@ def test_what_thins_a_slab_thins_its_surface(renderer):
 
 @pytest.mark.parametrize("extinction", [0.0, 0.02])
 @pytest.mark.parametrize("step", [1.0, 4.0, 11.0])
-def test_depth_where_modulation_thins(any_renderer, step, extinction):
+def test_depth_where_modulation_thins(either_renderer, step, extinction):
     """A ramp of slope 1 counts by half: the second surface, not the first, takes opacity past one half."""
     fog = al.TransferFunction(
         [(-9, (1, 1, 1), extinction), (19, (1, 1, 1), extinction)],
         surfaces=[Surface(3, "white", 0.6), Surface(7, "white", 0.6)],
     )
     modulation = al.modulation.Change(full_at=2.0)
-    rgba, depth = rgba_along(any_renderer, np.linspace(0, 10, 11), fog, step, modulation=modulation)
+    rgba, depth = rgba_along(either_renderer, np.linspace(0, 10, 11), fog, step, modulation=modulation)
     assert rgba[3] == pytest.approx(1 - 0.4 * np.exp(-extinction * 5), abs=1e-5)
     assert depth == pytest.approx(107, abs=1e-3)
 

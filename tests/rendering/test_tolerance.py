@@ -65,14 +65,21 @@ def drawn(tf: al.TransferFunction, look: dict, camera: str = "perspective", **mo
     )
 
 
+def case(name: str) -> tuple[al.Scene, float]:
+    tf, look, tolerance = CASES[name]
+    return drawn(tf, look), tolerance
+
+
+def truth(name: str) -> np.ndarray:
+    return reference.converged(case(name)[0], SIZE, step=2 * FINE if name in SMOOTH else FINE).rgba
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_the_error_is_within_the_tolerance(renderer, name):
-    tf, look, tolerance = CASES[name]
-    scene = drawn(tf, look)
+    scene, tolerance = case(name)
     image = renderer.render(scene, SIZE, tolerance=tolerance)
     told = image.stats["tolerance"]
-    right = reference.converged(scene, SIZE, step=2 * FINE if name in SMOOTH else FINE).rgba
-    errors = np.abs(image.rgba - right).max(axis=-1)
+    errors = np.abs(image.rgba - truth(name)).max(axis=-1)
     assert told["pixels_over"] == 0
     assert errors.max() <= tolerance
     assert told["maximum"] == image.estimate.max() <= tolerance
@@ -83,10 +90,9 @@ def test_the_error_is_within_the_tolerance(renderer, name):
 
 def test_plain_frames_are_further_off(renderer):
     """So that the test above says something: a step of a voxel would not pass it."""
-    tf, look, tolerance = CASES["peaks"]
-    scene = drawn(tf, look)
+    scene, tolerance = case("peaks")
     plain = renderer.render(scene, SIZE)
-    assert np.abs(plain.rgba - reference.converged(scene, SIZE, step=FINE).rgba).max() > 2 * tolerance
+    assert np.abs(plain.rgba - truth("peaks")).max() > 2 * tolerance
 
 
 def test_only_what_changes_is_drawn_again(renderer):
@@ -101,8 +107,7 @@ def test_only_what_changes_is_drawn_again(renderer):
 
 
 def test_what_is_met_is_kept(renderer):
-    tf, look, tolerance = CASES["first hit"]
-    scene = drawn(tf, look)
+    scene, tolerance = case("first hit")
     image = renderer.render(scene, SIZE, tolerance=tolerance, keep_hits=True)
     fine = renderer.render(scene, SIZE, step=0.05, keep_hits=True)
     assert np.mean(image.hits.side != fine.hits.side) < 0.01
@@ -195,12 +200,12 @@ def test_neighbours_count():
 
 
 def test_images_get_better(renderer):
-    scene = drawn(PEAKS, LIT)
+    scene, _ = case("peaks")
     images = list(renderer.refine(scene, SIZE, tolerance=0.02))
     told = [image.stats["refined"] for image in images]
     assert [(t["scale"], t["step"]) for t in told[:4]] == [(0.25, 2.0), (0.5, 2.0), (1.0, 1.0), (1.0, 0.5)]
     assert all(image.size == SIZE for image in images)
-    right = reference.converged(scene, SIZE, step=FINE).rgba
+    right = truth("peaks")
     errors = [np.abs(image.rgba - right).max() for image in images]
     assert errors[-1] <= 0.02 < errors[2]
     assert np.sqrt(np.mean((images[0].rgba - right) ** 2)) > np.sqrt(np.mean((images[2].rgba - right) ** 2))

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..transfer.function import TransferFunction
 from ..volume import FloatArray
-from .homogeneous import homogeneous
+from .homogeneous import homogeneous, source_and_extinction
 from .setup import BoolArray, Sample, Sent, Setup
 from .transfer import TRANSFERS, pieces
 
@@ -19,8 +19,8 @@ from .transfer import TRANSFERS, pieces
 def parts(setup: Setup) -> Iterator[tuple[int, TransferFunction]]:
     """Place of each visible channel in a value, and its function."""
     volume = setup.layer.volume
-    for part in setup.function.visible:
-        yield setup.channels.index(volume.channel_index(part.channel)), part.transfer.scaled(part.density)
+    for part, function in zip(setup.function.visible, setup.function.functions, strict=True):
+        yield setup.channels.index(volume.channel_index(part.channel)), function
 
 
 def media(setup: Setup, sample: Sample) -> tuple[FloatArray, FloatArray]:
@@ -28,8 +28,9 @@ def media(setup: Setup, sample: Sample) -> tuple[FloatArray, FloatArray]:
     source, extinction = np.zeros((len(sample.value), 3)), np.zeros(len(sample.value))
     for place, function in parts(setup):
         value, there = known(sample.value[:, place])
-        source += function.source(value) * there[:, None]
-        extinction += function(value)[1] * there
+        sent, dims = source_and_extinction(function, value)
+        source += sent * there[:, None]
+        extinction += dims * there
     return source, extinction
 
 
@@ -56,8 +57,9 @@ def preintegrated(setup: Setup, front: Sample, back: Sample, length: FloatArray)
             for node in (0.5 - 0.75**0.5 / 3, 0.5 + 0.75**0.5 / 3):
                 value = a[rows] + (begin + (end - begin) * node) * (b - a)[rows]
                 share = (end - begin) / 2 * there[rows]
-                source[rows] += share[:, None] * function.source(value)
-                extinction[rows] += share * function(value)[1]
+                sent, dims = source_and_extinction(function, value)
+                source[rows] += share[:, None] * sent
+                extinction[rows] += share * dims
     return homogeneous(source, extinction, length)
 
 

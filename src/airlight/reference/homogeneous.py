@@ -1,11 +1,19 @@
-"""Slabs that are the same all along: closed forms."""
+"""Media, and slabs that are the same all along: closed forms."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 from ..volume import FloatArray
 from .setup import Sent
+
+
+def source_and_extinction(function: Any, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Source (..., 3) and extinction (...) [1/world] of a function at values; it is evaluated once for both."""
+    rgb, extinction = function(values)
+    return (rgb if function.associated else rgb * extinction[..., None]), extinction
 
 
 @np.errstate(under="ignore")

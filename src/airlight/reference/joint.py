@@ -10,7 +10,7 @@ import numpy as np
 from ..volume import FloatArray
 from .field import field_scalar
 from .gradient import field_gradient
-from .homogeneous import homogeneous
+from .homogeneous import homogeneous, source_and_extinction
 from .setup import BoolArray, Sample, Sent, Setup
 
 PIECES = 32
@@ -21,19 +21,19 @@ def joint(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent
     """Classify a slab: the mean of its ends where the stage takes no samples, else the composite of many pieces."""
     a, b = variables(setup, front), variables(setup, back)
     if setup.stages["transfer"].samples == 0:
-        source = (setup.function.source(a) + setup.function.source(b)) / 2
-        extinction = (setup.function(a)[1] + setup.function(b)[1]) / 2
-        return homogeneous(source, extinction, length)
+        source, extinction = source_and_extinction(setup.function, np.stack([a, b]))
+        return homogeneous(source.mean(axis=0), extinction.mean(axis=0), length)
     n = len(length)
     rgb, back_rgb, back_alpha, depth = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n)
     for piece in range(PIECES):
         here = a + (b - a) * ((piece + 0.5) / PIECES)
-        light = homogeneous(setup.function.source(here), setup.function(here)[1], length / PIECES)
+        source, extinction = source_and_extinction(setup.function, here)
+        light = homogeneous(source, extinction, length / PIECES)
         through = np.exp(-depth)
         rgb += through[:, None] * light.rgb
         back_rgb += through[:, None] * (piece * light.rgb + light.back_rgb) / PIECES
         back_alpha += through * (piece * light.alpha + light.back_alpha) / PIECES
-        depth += setup.function(here)[1] * length / PIECES
+        depth += extinction * length / PIECES
     return Sent(rgb, -np.expm1(-depth), back_rgb, back_alpha)
 
 

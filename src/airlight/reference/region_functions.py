@@ -8,7 +8,7 @@ import numpy as np
 
 from ..transfer import TransferFunction
 from ..volume import FloatArray
-from .homogeneous import homogeneous
+from .homogeneous import homogeneous, source_and_extinction
 from .region import corners
 from .setup import Sample, Sent, Setup
 
@@ -66,4 +66,4 @@ def _mixed(setup: Setup, front: Sample, back: Sample, length: FloatArray, mean: 
 
 
 def _medium(function: TransferFunction) -> Medium:
-    return lambda value: np.concatenate([function.source(value), function(value)[1][:, None]], axis=1)
+    return lambda value: np.column_stack(source_and_extinction(function, value))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..transfer.joint import JointFunction
 from ..volume import FloatArray
-from .homogeneous import homogeneous
+from .homogeneous import homogeneous, source_and_extinction
 from .joint import joint, variables
 from .region_functions import postclassified_regions, preintegrated_regions
 from .setup import IntArray, Sample, Sent, Setup
@@ -37,9 +37,8 @@ def colour(setup: Setup, sample: Sample) -> FloatArray:
 @np.errstate(under="ignore")
 def postclassified(setup: Setup, front: Sample, back: Sample, length: FloatArray) -> Sent:
     """Classify a slab as a homogeneous medium, the mean of the media at its two ends."""
-    extinction = (medium(setup, front.value)[1] + medium(setup, back.value)[1]) / 2
-    source = (setup.function.source(front.value) + setup.function.source(back.value)) / 2
-    return homogeneous(source, extinction, length)
+    source, extinction = source_and_extinction(setup.function, np.stack([front.value, back.value]))
+    return homogeneous(source.mean(axis=0), extinction.mean(axis=0), length)
 
 
 @np.errstate(under="ignore")
@@ -62,8 +61,9 @@ def preintegrated_fast(setup: Setup, front: Sample, back: Sample, length: FloatA
             at = begin + (end - begin) * node
             value = front.value[rows] + at * (back.value - front.value)[rows]
             share = (end - begin) / 2
-            source[rows] += share[:, None] * setup.function.source(value)
-            extinction[rows] += share * medium(setup, value)[1]
+            sent, dims = source_and_extinction(setup.function, value)
+            source[rows] += share[:, None] * sent
+            extinction[rows] += share * dims
     return homogeneous(source, extinction, length)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numbers
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from textwrap import indent
 from typing import Any
 
@@ -132,12 +133,12 @@ class Channels(Kept):
             raise ValueRangeError("transfer.channels", "mix associated and other functions", "make all of one kind")
         object.__setattr__(self, "parts", found)
 
-    @property
+    @cached_property
     def visible(self) -> tuple[Channel, ...]:
         """The parts that are drawn; the first, with no density, where none is."""
         return tuple(part for part in self.parts if part.visible) or (replace(self.parts[0], density=0.0),)
 
-    @property
+    @cached_property
     def functions(self) -> tuple[TransferFunction, ...]:
         """Functions of the visible parts, with their densities."""
         return tuple(part.transfer if part.density == 1 else part.transfer.scaled(part.density) for part in self.visible)
@@ -162,7 +163,7 @@ class Channels(Kept):
         numbers = self.channels(volume)
         return tuple(numbers.index(volume.channel_index(part.channel)) for part in self.visible)
 
-    @property
+    @cached_property
     def slopes(self) -> tuple[Slope, ...]:
         """What normals are made of: a straight line for each of the ``functions``."""
         return tuple(slope_of(function) for function in self.functions)
