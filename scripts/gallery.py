@@ -536,6 +536,16 @@ MESHES = (
             *("--camera", "0,-190,30,0,-15,5", "--background", "#202830"),
         ),
     ),
+    Entry(
+        "mesh-panorama",
+        "ch2.nii.gz",
+        "the same from below, all round: smooth, also where both edges meet; a grid behind all, axes, an arrow with a name",
+        (
+            *("--tf", "40:#806050:0 90:#c09070:0.004 200:#fff0e0:0.02", "--mesh", "nuclei.ply", "--background", "#202830"),
+            *("--camera", "panorama:eye=[0,10,-24],target=[0,-60,-24]", "--size", "640x320", "--grid", "--axes"),
+            *("--pointer", "5.1,-5,-12.5:shape=arrow,size_voxels=5,color=white,label=caudate nucleus"),
+        ),
+    ),
 )
 
 LAYERED = (
@@ -546,6 +556,15 @@ LAYERED = (
         (
             *("--tf", "40:#806050:0 90:#c09070:0.006 200:#fff0e0:0.03", "--camera", "-240,-370,170,0,17,15"),
             *("--layer", "stroke_FLAIR.nii.gz:tf=170:#d02020:0 200:#ff4020:0.6 250:#ffd060:3", "--background", "#202830"),
+        ),
+    ),
+    Entry(
+        "layers-mip",
+        "ch2.nii.gz",
+        "the same lesion shines, in a projection of its own, through that of the head, in grey",
+        (
+            *("--integrate", "mip", "--tf", "20:black:0 230:#909090:1", "--camera", "-240,-370,170,0,17,15"),
+            *("--layer", "stroke_FLAIR.nii.gz:tf=170:black:0 205:#d04000:0.5 250:#ffc040:1"),
         ),
     ),
 )

@@ -137,6 +137,62 @@ def test_a_point_is_placed_where_its_ray_begins(camera, size_px, share):
     assert depth == pytest.approx(way @ camera.basis()[2])
 
 
+round_cameras = st.one_of(
+    st.builds(
+        al.Camera.panorama,
+        eye=st.just(tuple(MIDDLE - (9, 4, 3))),
+        target=st.sampled_from([(70.0, 20.0, 30.0), (0.0, -90.0, 0.0)]),
+        width_deg=st.sampled_from([360, 200]),
+        height_deg=st.sampled_from([180, 90]),
+    ),
+    st.builds(
+        al.Camera.dome,
+        eye=st.just((-80.0, -60.0, 20.0)),
+        target=st.just(tuple(MIDDLE)),
+        angle_deg=st.sampled_from([360, 220, 90]),
+    ),
+)
+
+
+@settings(max_examples=40, deadline=None)
+@given(round_cameras, sizes, st.tuples(*[st.floats(0.01, 0.99)] * 2))
+def test_a_point_is_placed_where_its_ray_begins_all_round(camera, size_px, share):
+    """There and back: the point at a distance along a pixel's ray is seen at the pixel; beside a disk there are no rays."""
+    at = share[0] * size_px[0], share[1] * size_px[1]
+    eye, direction = camera.ray(at, size_px)
+    x, y, distance = view(camera, size_px).placed(eye + 17.0 * direction)[0]
+    if not direction.any():
+        assert np.isnan(distance)
+        return
+    assert distance == pytest.approx(17.0)
+    assert (x, y) == pytest.approx(at, abs=1e-6 * max(size_px))
+
+
+def test_beside_the_disk_of_a_dome_points_have_no_place():
+    camera = al.Camera.dome(eye=(0, 0, 0), target=(0, 1, 0), angle_deg=180)
+    assert np.isnan(view(camera, (200, 200)).placed(np.array([2.0, -1.0, 2.0]))[0, :2]).all()
+    drawn = al.Pointer((2, -1, 2)).drawn(view(camera), Room())
+    assert drawn.told == {"shown": False, "reason": "lies beside the image"}
+
+
+@settings(max_examples=25, deadline=None)
+@given(round_cameras, st.sampled_from([(512, 256), (300, 300), (40, 900)]))
+def test_what_looks_all_round_has_grids_axes_and_pointers(camera, size_px):
+    """Words lie in the image and beside each other; those of axes beside their tips, on the far side of the arrow."""
+    seen, room = view(camera, size_px), Room()
+    middle = tuple(MIDDLE.tolist())
+    notes = al.Axes(origin=middle, length=20), al.Pointer(middle, shape="arrow"), al.Grid()
+    drawn = [one.drawn(seen, room) for one in notes]
+    for mark in drawn[0].marks:
+        axis = seen.named_axes().index(mark.words)
+        tip = seen.placed(MIDDLE + 20 * np.eye(3)[axis])[0, :2]
+        assert np.linalg.norm((mark.x_px, mark.y_px) - tip) < 4 * seen.text_px
+    boxes = [mark.box for mark in drawn[2].marks]
+    assert all(seen.holds(box) for box in boxes)
+    for a, b in itertools.combinations(boxes, 2):
+        assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+
+
 @pytest.mark.parametrize(
     "camera",
     [
@@ -249,6 +305,16 @@ def test_from_inside_all_faces_have_lines_and_none_a_number():
     drawn = al.Grid().drawn(view(camera), Room())
     assert drawn.told["faces"] == 6
     assert not drawn.marks
+
+
+def test_from_inside_cameras_that_look_all_round_have_numbers():
+    camera = al.Camera.panorama(eye=tuple(MIDDLE - (9, 4, 3)), target=tuple(MIDDLE + np.array([50, 0, 0])))
+    seen = view(camera, (800, 400))
+    drawn = al.Grid(step=20).drawn(seen, Room())
+    assert {"L (mm)", "P (mm)", "S (mm)"} <= {mark.words for mark in drawn.marks}
+    edge = seen.placed(np.array([[20.0, y, -5.0] for y in (10.0, 35.0)]))[:, :2]
+    numbers = [np.array((mark.x_px, mark.y_px)) for mark in drawn.marks if mark.words == "20"]
+    assert min(np.linalg.norm(number - place) for number in numbers for place in edge) < 2 * seen.text_px
 
 
 # -- axes, letters, pointers
@@ -368,8 +434,20 @@ JOINT = al.JointFunction(
         (al.Grid(step=0.09), {}, "grid.step is 0.09, and the longest edge is 100: at most 1000 lines are drawn along it"),
         (al.Orientation(), {"anatomical": False}, "orientation is that of anatomical data"),
         *(
-            (one, {"camera": al.Camera.panorama(eye=(0, 0, 0), target=(0, 1, 0))}, "does not go with the camera panorama")
+            (
+                one,
+                {"camera": al.Camera.stereo(eye=(0, 0, 0), target=(0, 1, 0))},
+                "does not go with the camera stereo: use persp",
+            )
             for one in (al.ScaleBar(), al.Grid(), al.Axes(), al.Orientation(), al.Pointer((1, 2, 3)))
+        ),
+        *(
+            (
+                one,
+                {"camera": al.Camera.panorama(eye=(0, 0, 0), target=(0, 1, 0))},
+                "panorama, whose pixels are angles: no length",
+            )
+            for one in (al.ScaleBar(), al.Orientation())
         ),
     ],
 )

@@ -14,6 +14,7 @@ from .first_picture import resolve, resolved_camera
 from .inspecting import gradients_at, labels_at, layer_of, pieces, sample_at, setup_of, values_at
 from .reference.integrate import INTEGRATES, EmissionAbsorption
 from .reference.setup import Sample, Setup
+from .reference.transfer import colour
 from .scene import Scene, check_scene
 from .transfer.given import listed
 from .volume import FloatArray
@@ -100,26 +101,36 @@ def picked(image: Image, scene: Scene, pixel: tuple[int, int], layer: int | None
 
 
 def seen_layer(scene: Scene, p_world: FloatArray, size_px: tuple[int, int]) -> int:
-    """Number of the visible layer that shows most at a point (1, 3): the most opaque one, or whose surface is nearest."""
+    """Number of the visible layer that shows most at a point (1, 3).
+
+    It is the most opaque one, whose surface is nearest, or for projections of values which is brightest there.
+    """
     visible = scene.visible_layers
     if len(visible) <= 1:
         return 0
     shown = []
+    drawn, length_world = scene.drawn_layers, min(min(layer.volume.spacing) for layer in visible)
     for layer in visible:
         setup = setup_of(scene, layer, size_px)
         ((_, near),) = pieces(setup, p_world)
         low, high = setup.domain
         here = sample_at(near, p_world, np.zeros(1))
         inside = ((here.p_index >= low - ALLOWANCE) & (here.p_index <= high + ALLOWANCE)).all()
-        shown.append(_strength(near, here) if inside and not here.empty[0] else -np.inf)
+        is_there = inside and not here.empty[0] and any(layer is one for one in drawn)
+        shown.append(_strength(near, here, length_world) if is_there else -np.inf)
     return int(np.argmax(shown))
 
 
-def _strength(setup: Setup, here: Sample) -> float:
-    """Opacity of a voxel's length of what lies at a sample; of surfaces how near they are, as a negative distance."""
+def _strength(setup: Setup, here: Sample, length_world: float) -> float:
+    """Opacity of a length of what lies at a sample; of surfaces how near they are, as a negative distance.
+
+    Of projections of values the brightness there.
+    """
     integrate = INTEGRATES[setup.stages["integrate"].name](setup)
+    if not integrate.uses_slabs:
+        return float(colour(setup, here).sum())
     if not integrate.has_surface:
-        alpha = EmissionAbsorption(setup).classify(here, here, np.array([setup.spacing_world])).alpha
+        alpha = EmissionAbsorption(setup).classify(here, here, np.array([length_world])).alpha
         return float(alpha[0])
     slope = float(np.linalg.norm(gradients_at(setup, here.p_world)[0]))
     return -abs(float(np.atleast_2d(here.value)[0, 0]) - integrate.level) / max(slope, 1e-30)

@@ -15,7 +15,9 @@ from test_solids import at, clipped, ring
 import airlight as al
 from airlight import reference
 from airlight.errors import StageError
+from airlight.first_picture import resolve
 from airlight.geometry import Lines, Mesh, Points
+from airlight.rendering.annotating import annotated
 from airlight.stages.camera import Perspective
 
 SIZE = (48, 32)
@@ -66,6 +68,22 @@ def test_lines_and_points(renderer, camera):
     scene, size = dataclasses.replace(with_meshes(*marks), camera=CAMERAS[camera]), (96, 48)
     image, truth = renderer.render(scene, size, driver=al.driver.March(mesh_layers=12)), reference.render(scene, size)
     assert (np.abs(image.rgba - truth.rgba).max(axis=-1) > 0.02).mean() < 0.012
+
+
+@pytest.mark.parametrize("camera", ["panorama", "all round"])
+def test_annotations(renderer, camera):
+    """Grids, axes and pointers are lines and meshes: the reference draws the same, all but for edges of thin lines."""
+    notes = (
+        al.Grid(color="gold"),
+        al.Axes(origin=at(9, 3, 3), length=14),
+        al.Pointer(at(3, 14, 8), size_voxels=14, shape="arrow"),
+    )
+    scene = dataclasses.replace(with_meshes(ball(6.0)), camera=CAMERAS[camera], annotations=notes)
+    image = renderer.render(scene, (96, 48))
+    drawn, _ = annotated(resolve(scene, (96, 48)), (96, 48))
+    truth = reference.render(drawn, (96, 48))
+    assert (np.abs(image.rgba - truth.rgba).max(axis=-1) > 0.02).mean() < 0.012
+    assert image.marks
 
 
 @pytest.mark.parametrize("angle_deg", [None, 360.0])

@@ -133,6 +133,18 @@ def test_mistakes_name_file_and_line(package, files, root, message):
     assert message in str(caught.value)
 
 
+def test_entry_points_alone_begin_with_what_the_host_says(package):
+    package["a.wgsl"] = "fn one() -> f32 { return 1.0; }"
+    root = (
+        "import package::a::one;\n@compute @workgroup_size(8) // one {\n"
+        "fn main(@builtin(position) p: vec4f)\n{ if (one() > p.x) {} }"
+    )
+    text = linked(root + "\nfn other() { }", generated=Generated("var<private> held: f32;", first="held = given;")).text
+    assert text.count("held = given;") == 1
+    assert "\n{ held = given; if (one() > p.x) {} }\nfn other() { }" in text
+    assert "held = given;" not in linked(root).text
+
+
 def test_a_stage_without_its_functions_is_refused():
     with pytest.raises(ShaderError, match=r"half.wgsl:1 does not define what slot field asks for: extent"):
         linked("fn main() {}", {"field": (("half", Source("half.wgsl", "fn locate() {}\nfn field_value() {}")),)})

@@ -13,6 +13,7 @@ import numpy as np
 from airlight.rendering.image import Image
 from airlight.scene import Scene
 from airlight.viewer.session import Session
+from airlight.viewer.stream import SMALL_PX
 
 
 def eventually(condition: Callable[[], Any], timeout_s: float = 10.0) -> Any:
@@ -25,13 +26,17 @@ def eventually(condition: Callable[[], Any], timeout_s: float = 10.0) -> Any:
 
 
 class Drawing:
-    """Stands for a renderer: draws nothing, one picture after the other."""
+    """Stands for a renderer: draws nothing, one picture after the other.
+
+    ``warmed`` are the functions of scenes of which programs alone are wanted, and the size of a picture whose refinement is.
+    """
 
     LEVELS = 3
 
     def __init__(self) -> None:
         self.drawn: list[tuple[tuple[int, int], dict[str, Any]]] = []
         self.refined: list[str] = []
+        self.warmed: list[Any] = []
         self.takes_s = 0.0
         self.level_s = 0.0
         self.error: Exception | None = None
@@ -39,11 +44,16 @@ class Drawing:
         self._lock = threading.Lock()
 
     def submit(self, scene: Scene, size: tuple[int, int], **options: Any) -> Future[Image]:
-        if size != (1, 1):
+        if size == (1, 1):
+            self.warmed.append((scene.layers[0].transfer, scene.layers[0].look))
+        else:
             self.drawn.append((size, options))
         return self._thread.submit(self._draw, scene, size, self.takes_s, options.get("progress"))
 
     def refine(self, scene: Scene, size: tuple[int, int], **options: Any) -> Iterator[Image]:
+        if size == SMALL_PX:
+            self.warmed.append(size)
+            return
         for level in range(1, 1 + self.LEVELS):
             try:
                 image = self._thread.submit(self._draw, scene, size, self.level_s, options["progress"]).result()

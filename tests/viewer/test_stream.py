@@ -104,6 +104,21 @@ def test_what_comes_ends_the_refinement_of_all_views_and_each_goes_on_later(view
     eventually(lambda: one.last["refined"] and other.last["refined"])
 
 
+def test_programs_are_compiled_once_for_all_views_as_soon_as_one_rests(viewer, drawing):
+    """Not only when all rest at once, which many views may never do; what they take of memory is there from the start on."""
+    mover, rests = Watching(viewer.session()), [Watching(viewer.session()) for _ in range(2)]
+
+    def is_warm() -> bool:
+        mover.turn()
+        return stream.SMALL_PX in drawing.warmed
+
+    eventually(is_warm)
+    assert not drawing.refined
+    assert all(watching.last["final"] for watching in rests)
+    eventually(lambda: len(drawing.refined) == 3)
+    assert len(drawing.warmed) == len(set(drawing.warmed)) >= 10
+
+
 def test_a_slow_client_has_two_pictures_on_their_way_and_slows_no_other(viewer, drawing):
     session = viewer.session()
     slow, quick = Watching(session, acks=False), Watching(session)

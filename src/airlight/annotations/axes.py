@@ -48,19 +48,19 @@ class Axes(Annotation):
 
     def drawn(self, view: View, room: Room) -> Drawn:
         """Return the arrows and their names."""
-        view.check_flat(self.kind)
+        view.check_places(self.kind)
         origin = view.low if self.origin is None else np.array(self.origin)
         length = SHARE * view.extent_world if self.length is None else self.length
         colours = [linear_rgb(colour, "axes") for colour in AXES]
         arrows = joined([(*arrow(origin, length * way, 0.028 * length), c) for way, c in zip(np.eye(3), colours, strict=True)])
-        begin, *tips = view.placed(np.stack([origin, *(origin + length * np.eye(3))]))
+        tips = origin + length * np.eye(3)
+        places, ways = view.placed(tips)[:, :2], view.moved(tips, length * np.eye(3))
         marks: list[Mark] = []
-        for tip, name in zip(tips, view.named_axes(), strict=True):
-            if np.isfinite(tip).all() and np.isfinite(begin).all():
-                way = tip[:2] - begin[:2]
-                x, y = tip[:2] + way / max(float(np.linalg.norm(way)), 1.0) * 0.8 * view.text_px
-                word = Text(float(x), float(y), name, view.text_px, view.ink)
-                marks += [word] if room.has(word.box) else []
+        for tip, way, name in zip(places, ways, view.named_axes(), strict=True):
+            if np.isfinite([tip, way]).all():
+                x, y = tip + way / max(float(np.linalg.norm(way)), 1.0) * 0.8 * view.text_px
+                word = view.within(Text(float(x), float(y), name, view.text_px, view.ink))
+                marks += [word] if word is not None and room.has(word.box) else []
         room.take(marks)
         return Drawn((arrows,), tuple(marks), {"origin": origin.tolist(), "length": length})
 

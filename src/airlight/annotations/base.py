@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -18,11 +18,13 @@ from ..transfer.colour import MOST_COLOUR, Colour, linear_rgb
 from ..transfer.kinds import AnyFunction
 from ..volume import FloatArray
 from .drawing import luminance
-from .marks import Box, Colour3, Mark
+from .marks import Box, Colour3, Mark, Text
 
 LIGHT, GREY, DARK = (0.9, 0.9, 0.9), (0.2, 0.2, 0.2), (0.012, 0.012, 0.012)
 LETTERS = (("L", "R"), ("P", "A"), ("S", "I"))
 """Letters of the directions +x and -x, +y and -y, +z and -z of patient LPS."""
+SMALL = 1e-4
+"""Part of a way along which it is told where it leads to in the image."""
 
 
 @dataclass(frozen=True)
@@ -119,23 +121,45 @@ class View:
         """
         if not isinstance(self.camera, Perspective | Orthographic):
             what = f"does not go with the camera {self.camera.name}"
-            raise StageError(f"annotation {kind!r}", what, "use perspective or orthographic, or leave it out")
+            why = ", whose pixels are angles: no length and no direction holds for its image" if self.camera.looks_round else ""
+            raise StageError(f"annotation {kind!r}", what + why, "use perspective or orthographic, or leave it out")
+
+    def check_places(self, kind: str) -> None:
+        """Refuse cameras that do not show each point at one place.
+
+        Raises
+        ------
+        StageError
+            For those of two eyes, and those that do not tell.
+        """
+        if type(self.camera).placed is Camera.placed:
+            what = f"does not go with the camera {self.camera.name}"
+            raise StageError(f"annotation {kind!r}", what, "use perspective, orthographic, panorama or dome, or leave it out")
 
     def pixel_world(self, depth_world: float) -> float:
-        """How wide a pixel is at a depth along the view."""
+        """How wide a pixel is at a depth along the view, for cameras that look all round at a distance."""
         at_eye, more = self.camera.pixel_width(self.size_px)
         return at_eye + more * depth_world
 
     def placed(self, points_world: FloatArray) -> FloatArray:
         """Points (n, 3) as column, row [px] and depth along the view; no numbers for those at or behind the eye."""
-        right, up, forward = self.camera.basis()
-        way = np.atleast_2d(points_world) - np.array(self.camera.eye)
-        depth = way @ forward
-        at_eye, more = self.camera.pixel_width(self.size_px)
-        wide = at_eye + more * depth
-        wide = np.where(depth > 0, wide, np.nan)
+        return self.camera.placed(np.atleast_2d(points_world), self.size_px)
+
+    def moved(self, points_world: FloatArray, ways_world: FloatArray) -> FloatArray:
+        """Pixels (n, 2), right and down, that points (n, 3) would move if they went on along ways (n, 3) as they begin."""
+        apart = self.placed(points_world + SMALL * ways_world) - self.placed(points_world - SMALL * ways_world)
+        return np.asarray(apart[:, :2] / (2 * SMALL))
+
+    def within(self, mark: Text) -> Text | None:
+        """A text, moved into the image where a part of it lies beside; None where all of it does."""
+        left, top, right, bottom = mark.box
         width, height = self.size_px
-        return np.stack([width / 2 + way @ right / wide, height / 2 - way @ up / wide, depth], axis=1)
+        if right < 0 or bottom < 0 or left > width or top > height:
+            return None
+        gap = self.margin_px / 2
+        x = max(gap - left, 0.0) + min(width - gap - right, 0.0)
+        y = max(gap - top, 0.0) + min(height - gap - bottom, 0.0)
+        return replace(mark, x_px=mark.x_px + x, y_px=mark.y_px + y)
 
     def holds(self, box: Box) -> bool:
         """Whether all of a box [px] lies in the image."""

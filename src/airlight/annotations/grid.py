@@ -29,6 +29,8 @@ FACE_ON = 1e-9
 class Grid(Annotation):
     """Lines at round numbers of the world on those faces of the box round all that lie behind it, with numbers along its rim.
 
+    Seen from within, all faces have lines; numbers stand along edges then where the camera looks all round.
+
     Lines are geometry of the scene: they share their depth with all else. The box is that of the visible layers and of the
     meshes, along the axes of the world.
 
@@ -58,7 +60,7 @@ class Grid(Annotation):
 
     def drawn(self, view: View, room: Room) -> Drawn:
         """Return the lines, and the numbers that find room."""
-        view.check_flat(self.kind)
+        view.check_places(self.kind)
         low, high = view.low, view.high
         step = _round_step(view.extent_world / LINES) if self.step is None else self.step
         if view.extent_world / step > MOST_LINES:
@@ -88,19 +90,18 @@ class Grid(Annotation):
             if edge is None:
                 continue
             ends = view.placed(edge)[:, :2]
-            away = _away(ends, middle)
             if np.linalg.norm(ends[1] - ends[0]) < 2 * view.text_px:
                 continue
-            along = np.repeat(edge[:1], len(values[axis]), axis=0)
-            along[:, axis] = values[axis]
-            places = view.placed(along)[:, :2] if len(along) else np.zeros((0, 2))
+            along = np.repeat(edge[:1], 1 + len(values[axis]), axis=0)
+            along[:, axis] = [edge[:, axis].mean(), *values[axis]]
+            (name_at, *places), (away, *sides) = view.placed(along)[:, :2], _away(view, along, edge[1] - edge[0], middle)
             words = [number_text(float(value)) for value in values[axis]]
-            numbers = [_beside(view, at, away, word) for at, word in zip(places, words, strict=True)]
+            numbers = [_beside(view, at, side, word) for at, side, word in zip(places, sides, words, strict=True)]
             farthest = max((abs(number.box[2] - number.box[0]) for number in numbers), default=0.0)
             name = f"{view.named_axes()[axis]} ({unit_text(view.unit)})" if view.unit else view.named_axes()[axis]
             reach = abs(away[0]) * farthest + abs(away[1]) * view.text_px + 0.5 * view.text_px
-            for words_beside in (_beside(view, ends.mean(axis=0) + reach * away, away, name), *numbers):
-                mark = _within(view, words_beside)
+            for words_beside in (_beside(view, name_at + reach * away, away, name), *numbers):
+                mark = view.within(words_beside)
                 if mark is not None and room.has(mark.box, 0.3 * view.text_px):
                     marks.append(mark)
                     room.take([mark])
@@ -149,11 +150,15 @@ def _on_face(
 
 
 def _labelled_edge(view: View, axis: int, faces: set[tuple[int, int]]) -> FloatArray | None:
-    """Ends (2, 3) of the edge along an axis with one far face beside it: the lowest in the image, or that most to the left."""
+    """Ends (2, 3) of the edge along an axis with one far face beside it: the lowest in the image, or that most to the left.
+
+    From within there is no such edge; cameras that look all round have any of them.
+    """
     first, second = (n for n in range(3) if n != axis)
     found = []
+    sees_all = view.camera.looks_round and len(faces) == 6
     for one, other in product((0, 1), repeat=2):
-        if ((first, one) in faces) == ((second, other) in faces):
+        if ((first, one) in faces) == ((second, other) in faces) and not sees_all:
             continue
         ends = np.array([view.low, view.high])
         ends[:, first] = (view.low, view.high)[one][first]
@@ -169,13 +174,14 @@ def _labelled_edge(view: View, axis: int, faces: set[tuple[int, int]]) -> FloatA
     return max(found, key=lambda pair: sign * pair[0][:, place].mean())[1]
 
 
-def _away(ends: FloatArray, middle: FloatArray) -> FloatArray:
-    """Unit vector across an edge in the image, from the middle of the box outwards."""
-    way = ends[1] - ends[0]
-    across = np.array([-way[1], way[0]])
-    length = float(np.linalg.norm(across))
-    across = across / length if length > 0 else np.array([0.0, 1.0])
-    return across if across @ (ends.mean(axis=0) - middle) >= 0 else -across
+def _away(view: View, points_world: FloatArray, way_world: FloatArray, middle: FloatArray) -> FloatArray:
+    """Unit vectors (n, 2) across an edge at its points (n, 3) in the image, from the middle of the box outwards."""
+    ways = view.moved(points_world, np.broadcast_to(way_world, points_world.shape))
+    across = np.stack([-ways[:, 1], ways[:, 0]], axis=1)
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    across = np.where(length > 0, across / np.where(length > 0, length, 1.0), (0.0, 1.0))
+    outwards = ((view.placed(points_world)[:, :2] - middle) * across).sum(axis=1) >= 0
+    return np.where(outwards[:, None], across, -across)
 
 
 def _beside(view: View, at: FloatArray, away: FloatArray, words: str) -> Text:
@@ -185,15 +191,3 @@ def _beside(view: View, at: FloatArray, away: FloatArray, words: str) -> Text:
     reach = 0.45 * view.text_px + abs(away[0]) * (right - left) / 2 + abs(away[1]) * (bottom - top) / 2
     x, y = at + reach * away
     return Text(float(x), float(y), words, view.text_px, view.ink)
-
-
-def _within(view: View, mark: Text) -> Text | None:
-    """The text, moved into the image where a part of it lies beside; None where all of it does."""
-    left, top, right, bottom = mark.box
-    width, height = view.size_px
-    if right < 0 or bottom < 0 or left > width or top > height:
-        return None
-    gap = view.margin_px / 2
-    x = max(gap - left, 0.0) + min(width - gap - right, 0.0)
-    y = max(gap - top, 0.0) + min(height - gap - bottom, 0.0)
-    return Text(mark.x_px + x, mark.y_px + y, mark.words, mark.size_px, mark.rgb, mark.anchor)

@@ -77,34 +77,38 @@ class Pointer(Annotation):
         )
 
     def drawn(self, view: View, room: Room) -> Drawn:
-        """Return the cross or the arrow, and its words; nothing of a point behind the eye."""
-        view.check_flat(self.kind)
+        """Return the cross or the arrow, and its words; nothing of a point that the camera has no place for."""
+        view.check_places(self.kind)
         p_world = np.array(self.p_world)
         x, y, depth = view.placed(p_world)[0].tolist()
         if not np.isfinite(x):
-            return Drawn(told={"shown": False, "reason": "lies behind the eye"})
+            reason = "lies beside the image" if view.camera.looks_round else "lies behind the eye"
+            return Drawn(told={"shown": False, "reason": reason})
         pixel = view.pixel_world(depth)
         size_px = SHARE * view.size_px[1] if self.size_px is None else self.size_px
         size = size_px * pixel if self.size_voxels is None else self.size_voxels * view.voxel_world
         told = {"shown": True, "size_world": size, "pixel": [x, y]}
         shape: Lines | Mesh
         if self.shape == "cross":
-            shape, words = self._cross(p_world, size, view), self._words(view, room, (x, y), 0.5 * size / pixel, "lm rm mb mt")
+            # As far as its lines reach: where images are no planes, angles are wider in some places.
+            seen = np.abs(view.moved(np.tile(p_world, (3, 1)), size / 2 * np.eye(3))).max(axis=0)
+            reach = np.maximum(0.5 * size / pixel, np.nan_to_num(seen))
+            shape, words = self._cross(p_world, size, view), self._words(view, room, (x, y), reach, "lm rm mb mt")
         else:
-            way = -np.array(FROM) @ np.stack(view.camera.basis())
+            way = -np.array(FROM) @ _axes_at(view, p_world)
             way *= size / np.linalg.norm(way)
-            tail_x, tail_y, _ = view.placed(p_world - way)[0].tolist()
-            shape, words = self._arrow(p_world, way, view), self._words(view, room, (tail_x, tail_y), 0.0, "mb rm lm mt")
+            x, y, _ = view.placed(p_world - way)[0].tolist()
+            shape, words = self._arrow(p_world, way, view), self._words(view, room, (x, y), np.zeros(2), "mb rm lm mt")
         room.take(words)
         return Drawn((shape,), words, told)
 
-    def _words(self, view: View, room: Room, at_px: tuple[float, float], reach_px: float, anchors: str) -> tuple[Text, ...]:
-        """The label beside a place, where there is room for it."""
+    def _words(self, view: View, room: Room, at_px: tuple[float, float], reach: FloatArray, anchors: str) -> tuple[Text, ...]:
+        """The label beside a place, where there is room for it: as far away as its mark reaches (2,) to the sides [px]."""
         if not self.label or not np.isfinite(at_px).all():
             return ()
-        away = reach_px + 0.4 * view.text_px
+        right, down = (reach + 0.4 * view.text_px).tolist()
         found = [
-            Text(at_px[0] + SIDES[a][0] * away, at_px[1] + SIDES[a][1] * away, self.label, view.text_px, view.ink, a)
+            Text(at_px[0] + SIDES[a][0] * right, at_px[1] + SIDES[a][1] * down, self.label, view.text_px, view.ink, a)
             for a in anchors.split()
         ]
         return (next((text for text in found if room.has(text.box) and view.holds(text.box)), found[0]),)
@@ -117,3 +121,14 @@ class Pointer(Annotation):
     def _arrow(self, p_world: FloatArray, way: FloatArray, view: View) -> Mesh:
         thick = 0.05 * float(np.linalg.norm(way))
         return joined([(*arrow(p_world - way, way, thick), colour_or_none(self.color, "") or view.ink)])
+
+
+def _axes_at(view: View, p_world: FloatArray) -> FloatArray:
+    """Unit vectors (3, 3) to the right, up and forward as a point is seen; of a plane they are the same everywhere."""
+    camera = view.camera
+    if not camera.looks_round:
+        return np.stack(camera.basis())
+    towards = p_world - np.array(camera.eye)
+    moves = view.moved(np.tile(p_world, (3, 1)), float(np.linalg.norm(towards)) * np.eye(3)).T
+    ways = np.stack([moves[0], -moves[1], towards])
+    return np.asarray(ways / np.linalg.norm(ways, axis=1, keepdims=True))

@@ -23,7 +23,8 @@ class ScaleBar(Annotation):
     """How long a round length of the world is in the image, at its lower left.
 
     Of an orthographic camera it holds everywhere. Of a perspective one it holds in the plane through the camera's target, which
-    is written beside it: what is nearer is larger.
+    is written beside it: what is nearer is larger. Panoramas and domes have none: their pixels are angles, and no length holds
+    for all of the image.
 
     Parameters
     ----------

@@ -95,7 +95,7 @@ class Device:
     def traits(self) -> Traits:
         """What decides which program is linked. Rows of pixels in a workgroup are twice as fast as squares on CPUs."""
         software = self.info.kind == "software"
-        return Traits("float32-filterable" in self.features, (16, 1) if software else (8, 8))
+        return Traits("float32-filterable" in self.features, (16, 1) if software else (8, 8), holds_uniforms=software)
 
     @cached_property
     def strands(self) -> int:

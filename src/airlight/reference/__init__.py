@@ -110,8 +110,7 @@ def render(
 ) -> ReferenceImage:
     """Render a scene.
 
-    Of several layers surfaces are found within slabs by straight lines; they have no projections, and first hits at samples
-    alone, not in each block.
+    Of several layers surfaces are found within slabs by straight lines, and first hits at samples alone, not in each block.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ def march_layers(
 ) -> Accumulated:
     """Integrate rays (n, 3) through layers that overlap in any way.
 
-    Of surfaces that end rays the nearest is seen.
+    Of surfaces that end rays the nearest is seen; projections of values are those of each layer, added.
 
     All are sampled at distances ``(k + fraction) * step_world``, and where one of them begins or ends, as clips keep it: there
     slabs are cut.
@@ -45,6 +45,9 @@ def march_layers(
     if INTEGRATES[setups[0].stages["integrate"].name].has_surface:
         found = [march(s, origin, direction, step_world, fraction, curved, refine, False, covers) for s in setups]
         return _nearest(found)
+    if not INTEGRATES[setups[0].stages["integrate"].name].uses_slabs:
+        added = _added([march(s, origin, direction, step_world, fraction, covers=covers, covered=False) for s in setups])
+        return added if covers is None else over(covers, added, False)
     plain = {**setups[0].stages, "transfer": make_stage("transfer", "postclassified")}
     integrate = INTEGRATES[setups[0].stages["integrate"].name](replace(setups[0], stages=plain))
     acc = integrate.begin(len(origin))
@@ -141,6 +144,14 @@ def _nearest(found: Sequence[Accumulated]) -> Accumulated:
     rays = np.arange(len(first))
     parts = {field.name: np.stack([getattr(acc, field.name) for acc in found])[first, rays] for field in fields(found[0])}
     return Accumulated(**parts)
+
+
+def _added(found: Sequence[Accumulated]) -> Accumulated:
+    """Light of all layers; depth is that of the one from which most comes, of equal ones of the nearest."""
+    rgb, alpha, t_world = (np.stack([getattr(acc, name) for acc in found]) for name in ("rgb", "alpha", "t_world"))
+    brightness = np.where(np.isfinite(t_world), rgb.sum(axis=-1), -1.0)
+    depth = np.where(brightness == brightness.max(axis=0), t_world, np.inf).min(axis=0)
+    return replace(found[0], rgb=rgb.sum(axis=0), alpha=1 - np.prod(1 - alpha, axis=0), t_world=depth)
 
 
 def _between_borders(kept: list[list[Piece]], part: Piece) -> Iterator[tuple[FloatArray, FloatArray]]:

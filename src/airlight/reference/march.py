@@ -37,6 +37,7 @@ def march(
     blocks: bool = True,
     covers: Covers | None = None,
     adaptive: bool = False,
+    covered: bool = True,
 ) -> Accumulated:
     """Integrate rays (n, 3), sampled at distances ``(k + fraction) * step_world``, k whole, and where they enter and leave.
 
@@ -45,7 +46,8 @@ def march(
     ``curved`` puts values right for the field's curvature where the stages gain from it. ``refine`` tells how the place of a
     surface between two samples is found; with ``blocks`` rays that look for surfaces are sampled in each block of voxels, those
     that look for surfaces of the function where steps are longer than a voxel.
-    ``covers`` are what rays meet of meshes. ``adaptive`` takes longer slabs where little of them gets through to the eye.
+    ``covers`` are what rays meet of meshes; without ``covered`` those that are not taken in between only end rays.
+    ``adaptive`` takes longer slabs where little of them gets through to the eye.
     """
     if refine != "none":
         setup = sharpened(setup)
@@ -161,7 +163,8 @@ def march(
             # Keep the rays that go on; the back of this slab is the front of the next.
             rays, front, before = rays[going], back[going], here[going]
     if covers is None or not ordered:
-        return integrate.finish(acc) if covers is None else over(covers, integrate.finish(acc), integrate.has_surface)
+        done = integrate.finish(acc)
+        return over(covers, done, integrate.has_surface) if covers is not None and covered else done
     put_before(covers, taken_covers, acc, np.full(len(origin), np.inf), np.ones(len(origin), dtype=bool))
     return integrate.finish(acc)
 

@@ -33,7 +33,7 @@ from .covers import check_covers, visible_corners
 from .half_angle import check_pictures
 from .hits import Hits, check_keeps, check_relights, check_same
 from .image import FloatImage, Image
-from .layers import checked_layers, context_of, layer_statistics, read_layers
+from .layers import checked_layers, context_of, layer_statistics, own_slots, read_layers
 from .march import MarchFrame, declares, draws_caps
 from .nearby import chosen_anchor, near_camera, shifted_lights
 from .outlines import check_outlines
@@ -179,8 +179,9 @@ def relight(
     check_scene(scene)
     if image.hits is None:
         raise DataError("image", "has kept no surfaces", "render it with keep_hits=True")
-    if len(scene.visible_layers) != 1:
-        raise DataError("scene", f"has {len(scene.visible_layers)} visible layers, and the image shows one", "render it")
+    for what, count in (("scene", len(scene.visible_layers)), ("image", len(image.hits.scene.visible_layers))):
+        if count != 1:
+            raise DataError(what, f"has {count} visible layers, and surfaces of one are lit again", "render the scene")
     given = resolve(scene, image.size)
     scene, notes = annotated(given, image.size)
     check_same(image.hits, scene, image.size)
@@ -235,7 +236,7 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
         context_of(layer, slab_world, request.size_px, clips=own, **told) for layer, own in zip(visible, clips_of, strict=True)
     ]
     layers = tuple(
-        drawn_layer(layer, context, skips, keeps, sharpens, request.converges)
+        drawn_layer(layer, context, skips, keeps, sharpens, request.converges, own_slots(visible))
         for layer, context in zip(visible, contexts, strict=True)
     )
     stages = visible[0].look.stages()
@@ -278,12 +279,13 @@ def drawn_layer(
     keeps_hits: bool = False,
     sharpens: bool = False,
     converges: bool = False,
+    own: frozenset[str] = frozenset(),
 ) -> DrawnLayer:
     """Give a layer its stages and their resources; a volume with empty samples gets the field that keeps them apart.
 
     Where surfaces alone are drawn, and space may be skipped, the field knows how far to leap over blocks without one. Surfaces
     that are kept have gradients although nothing may be lit. ``sharpens`` tells that the driver looks for the places of
-    surfaces. ``converges`` is told of in ``Request``.
+    surfaces. ``converges`` is told of in ``Request``. ``own`` are slots of a ray that the layer fills by itself.
     """
     assert layer.transfer is not None
     for channel in layer.channels:
@@ -294,7 +296,7 @@ def drawn_layer(
                 f"has values from {known.minimum:.3g} to {known.maximum:.3g}, beyond what devices hold ({GREATEST_VALUE:g})",
                 "scale it, e.g. volume / 1e30, and the transfer function with it",
             )
-    stages = {slot: stage for slot, stage in layer.stages(keeps_hits).items() if SLOTS[slot].per_layer}
+    stages = {slot: stage for slot, stage in layer.stages(keeps_hits).items() if SLOTS[slot].per_layer or slot in own}
     if isinstance(stages["transfer"], Transfer):
         transfer = stages["transfer"].for_context(context)
         transfer = transfer.converging() if converges else transfer

@@ -67,9 +67,12 @@ def check_lit(frame: MarchFrame) -> None:
         raise StageError(WHERE, f"draws no {camera.name} images", 'use driver="march"')
     if not (getattr(integrate, "uses_slabs", False) and hasattr(integrate, "opaque_at")):
         raise StageError(WHERE, f"lets light through slabs, and {integrate.name} has none", 'use driver="march"')
-    visibility = frame.scene_stages["visibility"]
-    if not isinstance(visibility, NoOcclusion):
-        raise StageError(WHERE, f"tells itself what reaches a place, and so does {visibility.name}", 'use visibility="none"')
+    for layer in frame.layers:
+        visibility = {**frame.scene_stages, **layer.stages}["visibility"]
+        if not isinstance(visibility, NoOcclusion):
+            raise StageError(
+                WHERE, f"tells itself what reaches a place, and so does {visibility.name}", 'use visibility="none"'
+            )
     if any(isinstance(layer.stages["lighting"], Quantised) for layer in frame.layers):
         raise StageError(WHERE, "lights places, and lighting quantised directions alone", 'use lighting="sampled"')
     if not frame.scene.lights:

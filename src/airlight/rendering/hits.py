@@ -29,7 +29,8 @@ class Hits:
     Attributes
     ----------
     array
-        float32 (height, width, 8): gradient in the world, value; distance from the eye on the device, side, unused.
+        float32 (height, width, 8): gradient in the world, value; distance from the eye on the device, side, number of the
+        visible layer, unused.
         The side is 0 where there is no surface, 1 where the ray went up through the value, 2 down, 3 where it began inside;
         4 where no surfaces are looked for, and opacity passes one half.
     scene
@@ -50,6 +51,13 @@ class Hits:
     def side(self) -> npt.NDArray[np.uint8]:
         """uint8 (height, width): 0 nothing, 1 met on the way up, 2 down, 3 the ray began inside, 4 half opaque."""
         return self.array[..., 5].astype(np.uint8)
+
+    @property
+    def layer(self) -> npt.NDArray[np.uint8]:
+        """uint8 (height, width): number of the visible layer that was met, or is the most opaque one; 0 for nothing."""
+        drawn = self.scene.drawn_layers
+        numbers = [n for n, layer in enumerate(self.scene.visible_layers) if any(layer is one for one in drawn)]
+        return np.array(numbers, dtype=np.uint8)[self.array[..., 6].astype(np.intp)]
 
 
 def check_keeps(frame: MarchFrame) -> None:

@@ -45,7 +45,7 @@ from .bounding import reaches
 from .clips import first_clips, pack_clips
 from .covers import Covers
 from .hits import HIT_BYTES, Hits
-from .layers import check_layers, check_textures
+from .layers import check_layers, check_textures, marched_apart
 from .outlines import Outlines
 from .resources import DrawnLayer, bound_resources, light_count, pack_uniforms, uniform_values, write_lights
 from .shown import IntArray, shown_columns
@@ -117,6 +117,12 @@ class MarchFrame:
         """Clips that cut something, those of all layers first."""
         return tuple(clip for group in self.clip_groups for clip in group)
 
+    @property
+    def met_clips(self) -> tuple[tuple[Clip, ...], ...]:
+        """Groups of clips as rays meet them: layers that are marched apart have all that cut them in their own."""
+        shared, *own = self.clip_groups
+        return ((), *(shared + group for group in own)) if own and marched_apart(self.layers) else self.clip_groups
+
     @cached_property
     def covers(self) -> Covers:
         """Meshes, and what rays meet of them."""
@@ -156,7 +162,11 @@ def program_key(
 ) -> ProgramKey:
     """Key of the program for a frame."""
     resources = frame.scene_resources
-    scene = tuple((slot, stage_key(instead.get(slot, stage), resources[slot])) for slot, stage in frame.scene_stages.items())
+    scene = tuple(
+        (slot, stage_key(instead.get(slot, stage), resources[slot]))
+        for slot, stage in frame.scene_stages.items()
+        if slot not in frame.layers[0].stages
+    )
     layers = tuple(
         tuple((slot, stage_key(s, layer.resources[slot], s.variant(layer.context))) for slot, s in layer.stages.items())
         for layer in frame.layers
@@ -195,7 +205,6 @@ def switches_of(frame: MarchFrame) -> Switches:
         hides=know_more or any(declares(layer.stages["region"], "hidden_at") for layer in frame.layers),
         walks_blocks=walks_blocks(frame),
         walks_cells=walks_blocks(frame) and is_exact(frame) and bool(getattr(integrate, "surfaces_only", False)),
-        looks_for_extremes=len(frame.layers) == 1 and "bounds" in frame.layers[0].resources["field"],
         has_crossings=classifies and any(offers_crossings(layer) for layer in frame.layers),
         lights_faces=bool(frame.clips) and any(layer.stages["lighting"].name != "unlit" for layer in frame.layers),
         draws_caps=draws_caps(frame),
@@ -395,7 +404,7 @@ def uploaded(frame: MarchFrame, program: Program) -> dict[str, Any]:
     device = frame.device
     values = uniform_values(device, frame.scene_stages, frame.layers, frame.anchor_world, frame.progress)
     frame.once(views_of, program)
-    for number, first in enumerate(first_clips(frame.clip_groups)[1:-1]):
+    for number, first in enumerate(first_clips(frame.met_clips)[1:-1]):
         values[f"layer_{number}"] = replace(values[f"layer_{number}"], first_clip=first)
     return values | late_tones(frame)
 
@@ -411,7 +420,7 @@ def written_clips(frame: MarchFrame) -> dict[str, Any]:
         return {}
     world_from_device = np.eye(4)
     world_from_device[:3, 3] = frame.anchor_world
-    packed = pack_clips(frame.clip_groups, world_from_device, frame.outlines.solids)
+    packed = pack_clips(frame.met_clips, world_from_device, frame.outlines.solids)
     return {"clips": compute.write_storage(frame.device, "clips", packed)}
 
 

@@ -126,7 +126,7 @@ def disagreement_statistics(frame: MarchFrame, rgba: npt.NDArray[np.float32]) ->
 def skip_statistics(frame: MarchFrame) -> dict[str, str]:
     """Whether blocks are passed over, and why not where it was asked for."""
     switches = frame.once(switches_of)
-    if switches.skips_blocks or switches.looks_for_extremes:
+    if switches.skips_blocks or any("bounds" in layer.resources["field"] for layer in frame.layers):
         return {"asked": frame.skip, "done": "geometry" if frame.skip == "geometry" else "blocks"}
     if frame.skip == "none":
         return {"asked": "none", "done": "none"}

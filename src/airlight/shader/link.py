@@ -34,6 +34,7 @@ _TOKEN = re.compile(
 )
 _IMPORT = re.compile(r"^\s*import\b(?P<what>[^;]*)(?P<end>;?)")
 _ITEM = re.compile(r"^\s*(?P<name>\w+)(?:\s+as\s+(?P<alias>\w+))?\s*$")
+_STAGES = ("vertex", "fragment", "compute")
 _DECLARING = ("fn", "struct", "const", "override", "alias", "var")
 _WHERE_IN_MESSAGE = re.compile(r"\bwgsl:(\d+):(\d+)")
 
@@ -79,10 +80,12 @@ class Generated:
     """What the host declares: WGSL text, and what imported names stand for.
 
     ``names`` maps ``(module, instance, name)`` to text that takes the name's place; ``instance`` is None outside of layers.
+    ``first`` are statements with which every entry point begins.
     """
 
     text: str = ""
     names: Mapping[tuple[str, int | None, str], str] = field(default_factory=dict)
+    first: str = ""
 
 
 @dataclass(frozen=True)
@@ -382,7 +385,8 @@ def link(root: Source, slots: Mapping[str, tuple[tuple[str, Source], ...]], gene
     for module, instance, filled in linker.order:
         replace = linker.replacements(module, instance, filled)
         _check_imported(module, replace, homes)
-        add(_rewritten(module, replace), module.source.name, "" if instance is None else f" (layer {instance})")
+        note = "" if instance is None else f" (layer {instance})"
+        add(_rewritten(module, replace, generated.first), module.source.name, note)
     return Linked("\n".join(lines) + "\n", tuple(origins))
 
 
@@ -412,15 +416,16 @@ def _check_imported(module: Module, replace: Mapping[str, str], homes: Mapping[s
         before = token.text
 
 
-def _rewritten(module: Module, replace: Mapping[str, str]) -> str:
-    """Text of the module with its names replaced, line by line as it was."""
+def _rewritten(module: Module, replace: Mapping[str, str], first: str) -> str:
+    """Text of the module with its names replaced, line by line as it was, but for what entry points do first."""
     out: list[str] = []
     code = [(at, t) for at, t in enumerate(module.tokens) if t.kind not in ("space", "comment")]
     following = {at: code[i + 1][1].text if i + 1 < len(code) else "" for i, (at, _) in enumerate(code)}
-    before, in_struct, depth = "", False, 0
+    before, in_struct, depth, is_entry = "", False, 0, False
     for at, token in enumerate(module.tokens):
         text = token.text
         if token.kind == "name":
+            is_entry = is_entry or (before == "@" and text in _STAGES)
             if text == "struct":
                 in_struct = True
             is_member = in_struct and depth == 1 and following[at] == ":"
@@ -429,6 +434,8 @@ def _rewritten(module: Module, replace: Mapping[str, str]) -> str:
         elif token.kind == "mark" and text in "{}":
             depth += 1 if text == "{" else -1
             in_struct = in_struct and depth > 0
+            if is_entry:
+                text, is_entry = " ".join([text, first] if first else [text]), False
         if token.kind not in ("space", "comment"):
             before = token.text
         out.append(text)

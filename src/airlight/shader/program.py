@@ -370,10 +370,15 @@ TAPS = {(False, False): "one", (False, True): "masked", (True, False): "packed",
 
 @dataclass(frozen=True)
 class Traits:
-    """What of a device decides which program is linked."""
+    """What of a device decides which program is linked.
+
+    ``holds_uniforms``: entry points copy uniforms and lights into variables first, as each look at a uniform costs as much as
+    some arithmetic, and again in every turn of a loop.
+    """
 
     filters_float32: bool
     workgroup: tuple[int, int]
+    holds_uniforms: bool = False
 
 
 @dataclass(frozen=True)
@@ -425,7 +430,6 @@ class Switches:
     its blocks are. ``blocks_know_more``: two samples do not tell that slabs in these are empty; ``hides``: of some slabs that
     are passed over they do not tell that nothing is seen of them. ``walks_blocks``: each of the other blocks is sampled,
     whatever the step; ``walks_cells``: each of their cells of eight voxels is looked through.
-    ``looks_for_extremes``: blocks whose values cannot change what has been found are passed over.
     ``has_crossings``: slabs are cut at surfaces of the transfer function. ``lights_faces``: where clips cut, light comes from
     their faces. ``draws_caps``: such faces may be solid. ``cuts_at_covers``: slabs are cut where meshes let light pass.
     ``adaptive``: slabs are longer where little of them gets through to the eye. ``in_parts``: rays are marched part by part.
@@ -445,7 +449,6 @@ class Switches:
     hides: bool = False
     walks_blocks: bool = False
     walks_cells: bool = False
-    looks_for_extremes: bool = False
     has_crossings: bool = False
     cuts_at_covers: bool = False
     lights_faces: bool = False
@@ -568,7 +571,7 @@ def build_program(key: ProgramKey) -> Program:
                 voxels = "stack" if dict(stage.resources).get("grid", "").endswith("stack") else "grid"
                 slots["voxels"] = (*slots.get("voxels", ()), (voxels, package_source(f"voxels/{voxels}.wgsl")))
                 is_told = key.switches.skips_blocks and any(name == "leaps" for name, _ in stage.resources)
-                blocks = "bounds" if key.switches.looks_for_extremes else "leaps" if is_told else "unknown"
+                blocks = "bounds" if _tells_bounds(stage) else "leaps" if is_told else "unknown"
                 slots["blocks"] = (*slots.get("blocks", ()), (blocks, package_source(f"blocks/{blocks}.wgsl")))
     for name in key.extra:
         cls = EXTRA_UNIFORMS[name]
@@ -584,8 +587,15 @@ def build_program(key: ProgramKey) -> Program:
     met = "surface" if has_surface else "nothing"
     slots["met"] = ((met, package_source(f"met/{met}.wgsl")),)
     walk = "cells" if key.switches.walks_cells else "surfaces" if key.switches.walks_blocks else "lattice"
-    walk = "extremes" if key.switches.looks_for_extremes else walk
-    slots["walk"] = ((walk, package_source(f"walk/{walk}.wgsl")),)
+    # Surfaces of several layers are looked for by one stage with parameters of each.
+    if key.switches.surfaces_only:
+        slots["integrate"] = slots["integrate"][:1]
+    apart = len(slots.get("integrate", ())) > 1
+    fields = [dict(layer).get("field") for layer in key.layers if apart or len(key.layers) == 1] or [None]
+    walks = ["extremes" if field is not None and _tells_bounds(field) else walk for field in fields]
+    slots["walk"] = tuple((one, package_source(f"walk/{one}.wgsl")) for one in walks)
+    rays = "apart" if apart else "together"
+    slots["rays"] = ((rays, package_source(f"rays/{rays}.wgsl")),)
     covers = "meshes" if "covers" in key.outputs else "none"
     slots["covers"] = ((covers, package_source(f"covers/{covers}.wgsl")),)
     clips = "cut" if "clips" in key.outputs else "whole"
@@ -649,6 +659,8 @@ def build_program(key: ProgramKey) -> Program:
     structs["LightRecord"] = class_struct(LightRecord, "LightRecord")
     structs["ClipRecord"] = class_struct(ClipRecord, "ClipRecord")
     build.names["clips", None, "ClipRecord"] = "ClipRecord"
+    held = [b for b in build.bindings if key.traits.holds_uniforms and b.kind in ("uniform", "lights")]
+    first = [f"{b.name} = given_{b.name};" for b in held]
     text = "\n".join(
         [
             *(f"alias {name} = {wgsl};" for name, wgsl in kinds.items()),
@@ -657,11 +669,17 @@ def build_program(key: ProgramKey) -> Program:
             *build.constants,
             *(struct.wgsl for struct in structs.values()),
             uniforms.wgsl,
-            *(binding.wgsl for binding in build.bindings),
+            *((dataclasses.replace(b, name=f"given_{b.name}") if b in held else b).wgsl for b in build.bindings),
+            *(f"var<private> {b.name}: {b.type};" for b in held),
         ]
     )
-    linked = link(stage_source(key.root, "driver"), slots, Generated(text, build.names))
+    linked = link(stage_source(key.root, "driver"), slots, Generated(text, build.names, " ".join(first)))
     return Program(linked, uniforms, tuple(build.bindings), key)
+
+
+def _tells_bounds(field: StageKey) -> bool:
+    """Whether blocks are passed over whose values cannot change what has been found."""
+    return any(name == "bounds" for name, _ in field.resources)
 
 
 def _values_type(groups: int) -> str:

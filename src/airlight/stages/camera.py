@@ -131,6 +131,20 @@ class Camera(Stage):
         remedy = "give its class a method pixel_width(size_px), or use the field linear"
         raise StageError(f"camera {self.name!r}", "does not tell how wide its pixels are", remedy)
 
+    def placed(self, points_world: FloatArray, size_px: tuple[int, int]) -> FloatArray:
+        """Return where points (n, 3) are seen: column, row [px] and depth, (n, 3).
+
+        Depth is that along the view, of cameras that look all round the distance. Points without a place have no numbers: those
+        at the eye, those behind it that a plane does not show, those beside the disk of a dome.
+
+        Raises
+        ------
+        StageError
+            When the camera does not tell.
+        """
+        remedy = "give its class a method placed(points_world, size_px)"
+        raise StageError(f"camera {self.name!r}", "does not tell where it shows points", remedy)
+
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Cross product of two vectors; NumPy's, for arrays of them, takes ten times as long."""
@@ -143,6 +157,16 @@ def _on_image(camera: Camera, half_height: float, p_px: tuple[float, float], siz
     right, up, _ = camera.basis()
     aside, above = 2 * p_px[0] / size_px[0] - 1, 1 - 2 * p_px[1] / size_px[1]
     return np.asarray(half_height * (aside * size_px[0] / size_px[1] * right + above * up))
+
+
+def _placed_on_plane(camera: Camera, points_world: FloatArray, size_px: tuple[int, int]) -> FloatArray:
+    right, up, forward = camera.basis()
+    way = points_world - np.array(camera.eye)
+    depth = way @ forward
+    at_eye, more = camera.pixel_width(size_px)
+    wide = np.where(depth > 0, at_eye + more * depth, np.nan)
+    width, height = size_px
+    return np.stack([width / 2 + way @ right / wide, height / 2 - way @ up / wide, depth], axis=1)
 
 
 def point_of(value: Vec3f | FloatArray) -> tuple[float, float, float]:
@@ -189,6 +213,10 @@ class Perspective(Camera):
         """Return how wide a pixel is in the middle of the image: at the eye [world], and more per world unit of distance."""
         return 0.0, 2 * self.half_height / size_px[1]
 
+    def placed(self, points_world: FloatArray, size_px: tuple[int, int]) -> FloatArray:
+        """Return where points (n, 3) are seen: column, row [px] and depth along the view, (n, 3)."""
+        return _placed_on_plane(self, points_world, size_px)
+
     @property
     def half_height(self) -> float:
         """Half of what the image shows from bottom to top, at a distance of one."""
@@ -218,6 +246,10 @@ class Orthographic(Camera):
     def pixel_width(self, size_px: tuple[int, int]) -> tuple[float, float]:
         """Return how wide a pixel is in the middle of the image: at the eye [world], and more per world unit of distance."""
         return self.height / size_px[1], 0.0
+
+    def placed(self, points_world: FloatArray, size_px: tuple[int, int]) -> FloatArray:
+        """Return where points (n, 3) are seen: column, row [px] and depth along the view, (n, 3)."""
+        return _placed_on_plane(self, points_world, size_px)
 
     @property
     def half_height(self) -> float:

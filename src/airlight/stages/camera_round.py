@@ -25,6 +25,21 @@ def _frame(camera: Camera, half_angles: tuple[float, float]) -> RoundFrame:
     return RoundFrame(camera.eye, forward, right, up, half_angles)
 
 
+def _from_eye(camera: Camera, points_world: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """How far points (n, 3) lie to the right, up and forward of the eye, and away from it; no numbers for the eye itself."""
+    aside, above, ahead = np.stack(camera.basis()) @ (points_world - np.array(camera.eye)).T
+    distance = np.sqrt(aside**2 + above**2 + ahead**2)
+    return aside, above, ahead, np.where(distance > 0, distance, np.nan)
+
+
+def _placed_by_angles(
+    angles: FloatArray, distance: FloatArray, half_angles: tuple[float, float], size_px: tuple[int, int]
+) -> FloatArray:
+    """Places (n, 3) of angles (n, 2) to the right of the image's middle and down from it."""
+    places = (angles / half_angles + 1) * np.array(size_px) / 2
+    return np.column_stack([np.where(np.isfinite(distance)[:, None], places, np.nan), distance])
+
+
 @register
 @dataclass(frozen=True)
 class Panorama(Camera):
@@ -59,6 +74,12 @@ class Panorama(Camera):
     def pixel_width(self, size_px: tuple[int, int]) -> tuple[float, float]:
         """Return how wide a pixel is in the middle of the image: at the eye [world], and more per world unit of distance."""
         return 0.0, 2 * max(angle / n for angle, n in zip(self._half_angles, size_px, strict=True))
+
+    def placed(self, points_world: FloatArray, size_px: tuple[int, int]) -> FloatArray:
+        """Return where points (n, 3) are seen: column, row [px] and distance, (n, 3)."""
+        aside, above, ahead, distance = _from_eye(self, points_world)
+        angles = np.stack([np.arctan2(aside, ahead), -np.arctan2(above, np.hypot(aside, ahead))], axis=1)
+        return _placed_by_angles(angles, distance, self._half_angles, size_px)
 
     @property
     def _half_angles(self) -> tuple[float, float]:
@@ -103,6 +124,15 @@ class Dome(Camera):
     def pixel_width(self, size_px: tuple[int, int]) -> tuple[float, float]:
         """Return how wide a pixel is in the middle of the image: at the eye [world], and more per world unit of distance."""
         return 0.0, math.radians(self.angle_deg) / min(size_px)
+
+    def placed(self, points_world: FloatArray, size_px: tuple[int, int]) -> FloatArray:
+        """Return where points (n, 3) are seen: column, row [px] and distance, (n, 3); beside the disk they have no place."""
+        aside, above, ahead, distance = _from_eye(self, points_world)
+        off_axis = np.hypot(aside, above)
+        from_axis = np.arctan2(off_axis, ahead)
+        way = np.stack([aside, -above], axis=1) / np.maximum(off_axis, 1e-300)[:, None]
+        angles = np.where(from_axis <= math.radians(self.angle_deg) / 2, from_axis, np.nan)[:, None] * way
+        return _placed_by_angles(angles, distance, self._half_angles(size_px), size_px)
 
     def _half_angles(self, size_px: tuple[int, int]) -> tuple[float, float]:
         """Angles that the middles of the image's edges would have."""

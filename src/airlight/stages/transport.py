@@ -87,7 +87,6 @@ class Passed(Stage):
     slot: ClassVar[str] = "visibility"
     name: ClassVar[str] = "half_angle"
     wgsl: ClassVar[str] = "visibility/half_angle.wgsl"
-    of_all_layers: ClassVar[bool] = True
 
 
 @dataclass(frozen=True)

@@ -57,3 +57,9 @@ class Document:
     def drawing(self) -> dict[str, Any]:
         """Arguments of ``airlight.render`` that draw it."""
         return {"driver": self.driver, "step": self.step, "skip": self.skip, "passes": self.passes}
+
+    @property
+    def refining(self) -> dict[str, Any]:
+        """Arguments of ``Renderer.refine`` that go on from its picture."""
+        known = {name: value for name, value in self.drawing.items() if name != "step"}
+        return known | {"tolerance": self.tolerance, "coarse": False}

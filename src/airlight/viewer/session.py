@@ -9,6 +9,7 @@ from __future__ import annotations
 import secrets
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -76,6 +77,7 @@ class Viewer:
         self.shelf = Shelf()
         self.bookmarks: tuple[Bookmark, ...] = ()
         self._lock = threading.Lock()
+        self._warm: tuple[Any, deque[Any]] = (None, deque())
         self.following = threading.RLock()
 
     def session(self, key: str | None = None) -> Session:
@@ -101,6 +103,13 @@ class Viewer:
             found = Session(self, self.first)
             self.sessions[found.key] = found
             return found
+
+    def warmed(self, kind: Any, programs: Callable[[], deque[Any]]) -> tuple[Any, deque[Any]]:
+        """Return a kind of pictures with the programs that are still to be compiled for it, which all views share."""
+        with self._lock:
+            if kind != self._warm[0]:
+                self._warm = kind, programs()
+            return self._warm
 
     def shared(self, key: str) -> Session:
         """Return the session that was shared by a key.

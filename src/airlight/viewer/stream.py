@@ -1,8 +1,8 @@
 """The stream of a session: what has changed is drawn, encoded and sent, the newest first; at rest the picture is refined.
 
-A view moves, and is drawn as well as there is time for (``ladder.py``); it rests, and is drawn in full; while nobody moves
-anything, programs that edits will need are compiled and the picture is refined. Whatever comes ends these. Pictures are drawn
-on the renderer's thread, and encoded on the stream's own while the next is drawn.
+A view moves, and is drawn as well as there is time for (``ladder.py``); it rests, and is drawn in full; as it goes on resting,
+programs that edits will need are compiled; and while nobody moves anything in any view, the picture is refined. Whatever comes
+ends these. Pictures are drawn on the renderer's thread, and encoded on the stream's own while the next is drawn.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from concurrent.futures import CancelledError, Future, wait
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from ..errors import AirlightError, ValueRangeError
@@ -40,7 +41,14 @@ if TYPE_CHECKING:
 REST_S = 0.25
 """So long after the last change a view rests."""
 CALM_S = 1.5
-"""So long after the last change of any view nobody minds work that may wait."""
+"""So long after the last change nobody minds work that may wait."""
+SMALL_PX = (16, 16)
+"""A picture whose refinement compiles all that large ones need: some of its pixels are finished sooner than others."""
+SMALL_LEVELS = 3
+Program = tuple[bool, int]
+"""A program that may be needed: whether for pictures that move, and for which of the scenes near one that is shown."""
+REFINING: Program = False, 0
+"""Those of refinement."""
 PATIENCE_S = 0.5
 TOLD_S = 0.25
 """A picture that takes longer than the first is told of, as often as the second."""
@@ -106,7 +114,7 @@ class Stream:
         self._full: Wanted | None = None
         self._refined: Wanted | None = None
         self._last: Drawn | None = None
-        self._warm: tuple[Any, Iterator[Scene]] = (None, iter(()))
+        self._warm: tuple[Any, deque[Program]] = (None, deque())
         self._is_warm = True
         self._cost: Cost | None = None
         self._pace = ladder.Pace()
@@ -152,7 +160,8 @@ class Stream:
         with self._changed:
             self._closed = True
             self._changed.notify_all()
-        self._session.viewer.renderer.close_view(self._session.key)
+        for view in (self._session.key, self._warm_view):
+            self._session.viewer.renderer.close_view(view)
 
     # -- what comes next
 
@@ -212,7 +221,8 @@ class Stream:
             return (Turn.REST, None) if rests_in_s <= 0 else (None, rests_in_s)
         if self._is_warm and self._refined == self._wanted:
             return None, None
-        calm_in_s = CALM_S - (now - session.viewer.moved_at)
+        # Programs are compiled once for all views: they do not wait until all of many rest, which they may never do at once.
+        calm_in_s = CALM_S - (now - (session.viewer.moved_at if self._is_warm else self._moved_at))
         if calm_in_s > 0:
             return None, calm_in_s
         return (Turn.REFINE if self._is_warm else Turn.WARM), None
@@ -255,7 +265,7 @@ class Stream:
             return
         self._full = wanted
         if image is not None:
-            self._begin_warming(wanted.document)
+            self._begin_warming(wanted)
             self._refined = None if refines(wanted) else wanted
             self._show(Drawn(wanted, image, full, ms, final=True))
 
@@ -330,27 +340,40 @@ class Stream:
 
     # -- what is done while nobody moves anything
 
-    def _begin_warming(self, document: Document) -> None:
-        """Have programs that edits will need compiled, once for each kind of picture."""
-        kind = (document.driver, document.passes, [layer.look for layer in document.scene.visible_layers])
-        if kind != self._warm[0]:
-            near = list(itertools.islice(scenes_near(document.scene), 1, None))
-            moving = [hurried(scene) for scene in near] if self._pace.drawn(document.step).hurries else []
-            self._warm = kind, iter([*moving, *near])
-            self._is_warm = False
+    @property
+    def _warm_view(self) -> tuple[str, str]:
+        return self._session.key, "warm"
+
+    def _begin_warming(self, wanted: Wanted) -> None:
+        """Have programs that edits and refinement will need compiled, once for each kind of picture."""
+        document, layers = wanted.document, wanted.document.scene.visible_layers
+        data = [(layer.look, layer.volume.dtype, layer.volume.channel_count) for layer in layers]
+        kind = document.driver, document.passes, data
+        if kind == self._warm[0]:
+            return
+
+        def programs() -> deque[Program]:
+            near = range(1, sum(1 for _ in scenes_near(document.scene)))
+            edited = product((True, False) if self._pace.drawn(document.step).hurries else (False,), near)
+            return deque([*edited, REFINING] if refines(wanted) else edited)
+
+        self._warm = self._session.viewer.warmed(kind, programs)
+        self._is_warm = False
 
     def _warmed(self, wanted: Wanted | None) -> None:
         """Compile one of them: what comes meanwhile waits for one alone."""
         assert wanted is not None
-        scene = next(self._warm[1], None)
-        if scene is None:
-            self._is_warm = True
-            return
-        document, renderer = wanted.document, self._session.viewer.renderer
-        options: dict[str, Any] = document.drawing | {"view": (self._session.key, "warm")}
+        document, renderer, view = wanted.document, self._session.viewer.renderer, self._warm_view
         try:
-            wait([renderer.submit(scene, (1, 1), **options)])
-        except AirlightError:  # what cannot be drawn will be told of when it is to be shown
+            hurries, number = program = self._warm[1].popleft()
+            scene = next(itertools.islice(scenes_near(document.scene), number, None), document.scene)
+            if program != REFINING:
+                wait([renderer.submit(hurried(scene) if hurries else scene, (1, 1), **document.drawing, view=view)])
+            elif refines(wanted):
+                images = renderer.refine(scene, SMALL_PX, view=view, **document.refining)
+                deque(itertools.islice(images, SMALL_LEVELS), maxlen=0)
+                renderer.close_view(view)
+        except (IndexError, AirlightError):  # what cannot be drawn will be told of when it is to be shown
             self._is_warm = True
 
     def _refine(self, wanted: Wanted | None) -> None:
@@ -363,8 +386,7 @@ class Stream:
             if viewer.moved_at > start:
                 raise CancelledError
 
-        options: dict[str, Any] = document.drawing | {"tolerance": document.tolerance, "progress": progress, "coarse": False}
-        del options["step"]
+        options = document.refining | {"progress": progress}
         try:
             for image in viewer.renderer.refine(document.scene, wanted.size_px, view=self._session.key, **options):
                 ms, step = 1e3 * (time.monotonic() - start), image.stats.get("refined", {}).get("step", document.step)

@@ -1,12 +1,11 @@
-// What of a ray is marched: the pieces that clips keep, up to the nearest opaque mesh. And meshes, in between and behind.
+// What of a ray is marched: the pieces that clips keep, up to the nearest opaque mesh. And meshes in between.
 
-import generated::sizes::{CUTS_AT_COVERS, FILLS, IN_PARTS, SKIPS_BLOCKS, SURFACES_ONLY};
-import package::cover::{Cover, result_over};
+import generated::sizes::{CUTS_AT_COVERS, FILLS, IN_PARTS, SKIPS_BLOCKS};
+import package::cover::Cover;
 import package::kept::Kept;
-import package::ray::INFINITE;
-import package::sample::{Sample, Slab, Result};
-import package::walk::{Line, border_before, next_block};
-import slot::clips::{HAS_CLIPS, kept_from};
+import package::sample::{Sample, Slab};
+import package::walk::{Line, border_before, kept_of, next_block};
+import slot::clips::HAS_CLIPS;
 import slot::covers::{HAS_COVERS, cover_at};
 import slot::integrate::{Accumulated, take};
 
@@ -21,7 +20,7 @@ fn end_of(line: Line, at: u32) -> f32 {
 fn next_kept(line: Line, t_world: f32, t_leave: f32) -> Kept {
   var kept = Kept(t_world, t_world, 0u, 0u);
   loop {
-    kept = kept_from(line.ray, line.at, kept.end, t_leave);
+    kept = kept_of(line, kept.end, t_leave);
     if (!HAS_CLIPS || !SKIPS_BLOCKS || FILLS || kept.begin >= kept.end || next_block(line, kept.begin, kept.end) < kept.end) { break; }
   }
   return kept;
@@ -54,29 +53,4 @@ fn take_cover(acc: ptr<function, Accumulated>, cover: Cover) {
   var here: Sample;
   here.t_world = cover.t_world;
   take(acc, here, here, Slab(cover.rgb, 0.0, vec3f(0.0), 0.0, cover.alpha), cover.rgb, 0.0);
-}
-
-// What is seen of meshes, beside those in front of which the ray has not gone on: in front of a surface that was hit, and behind all.
-fn covered(marched: Result, at: u32, first: u32) -> Result {
-  if (!HAS_COVERS) { return marched; }
-  var number = first;
-  var seen = marched;
-  if (SURFACES_ONLY) {
-    seen = Result(vec3f(0.0), 0.0, INFINITE);
-    loop {
-      let cover = cover_at(at, number);
-      if (cover.t_world >= marched.t_world) { break; }
-      seen = result_over(seen, Result(cover.rgb, cover.alpha, cover.t_world));
-      number++;
-    }
-    seen = result_over(seen, marched);
-  }
-  loop {
-    let cover = cover_at(at, number);
-    if (cover.t_world >= INFINITE) { break; }
-    seen = result_over(seen, Result(cover.rgb, cover.alpha, cover.t_world));
-    number++;
-  }
-  let last = cover_at(at, 0u);
-  return result_over(seen, Result(last.rgb, last.alpha, last.t_world));
 }

@@ -3,12 +3,14 @@
 
 import generated::frame::frame;
 import generated::layer::layer;
-import generated::sizes::{IN_PARTS, SKIPS_EMPTY, SURFACES_ONLY, Values};
+import generated::sizes::{CUTS_LAYERS, IN_PARTS, SKIPS_EMPTY, SURFACES_ONLY, Values};
 import package::blocks::{Run, Way, enters, just_behind, leaves, way_of};
+import package::kept::Kept;
 import package::ray::{Ray, INFINITE};
 import package::sample::Sample;
 import package::spacing::Spacing;
 import slot::blocks::leap_of;
+import slot::clips::kept_by;
 import slot::field::{locate, field_value};
 import slot::integrate::surface;
 import slot::lattice::spacing_of;
@@ -107,6 +109,11 @@ fn leapt(way: Way, t_world: f32, t_leave: f32) -> Leapt {
     found.leaps = true;
   }
   return found;
+}
+
+// The next piece that clips keep, of one of several layers all that cut it.
+fn kept_of(line: Line, t_world: f32, t_leave: f32) -> Kept {
+  return kept_by(select(0u, layer.first_clip, CUTS_LAYERS), line.ray, line.at, t_world, t_leave);
 }
 
 // The next distance at which a layer begins or ends, where slabs are cut; a single one does with its ray.

@@ -1,5 +1,7 @@
 // What was found at surfaces is drawn and forgotten.
 
-const KEEPS_HITS = false;
+import package::met::Met;
+import package::sample::Result;
+import package::walk::Line;
 
-fn keep_hit(pixel: u32, shape: vec4f, place: vec4f) {}
+fn keep_hit(pixel: u32, line: Line, shown: Result, met: Met) {}

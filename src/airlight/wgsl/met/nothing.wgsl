@@ -12,5 +12,5 @@ fn shown_surface(front: Sample, back: Sample) -> vec2f { return vec2f(2.0, 0.0);
 fn take_surface(
   acc: ptr<function, Accumulated>, line: Line, front: Sample, back: Sample, shown: vec2f, kept: Kept, face: Face,
 ) -> Met {
-  return Met(0.0, 0.0, 0u);
+  return Met(0.0, 0.0, 0u, 0u);
 }

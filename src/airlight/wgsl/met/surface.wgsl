@@ -58,5 +58,5 @@ fn take_surface(
   take(acc, hit, hit, slab, lit_rgb, 0.0);
   let side = select(2.0, 1.0, scalar_of(back.value) > scalar_of(front.value));
   let is_cut = share <= 0.0 && t_world <= kept.begin;
-  return Met(scalar_of(hit.value), select(side, 3.0, share <= 0.0), select(0u, kept.near, is_cut));
+  return Met(scalar_of(hit.value), select(side, 3.0, share <= 0.0), select(0u, kept.near, is_cut), 0u);
 }

@@ -3,8 +3,9 @@
 import generated::frame::frame;
 import generated::pass::{depth, radiance, unfinished};
 import generated::sizes::{WORKGROUP_X, WORKGROUP_Y};
-import package::pieces::covered;
+import package::covered::covered;
 import package::unfinished::Unfinished;
+import package::walk::Fetched;  // of several layers a sample is what their walk fetches
 import slot::integrate::{begin, finish, resume};
 import slot::tone::tone;
 

@@ -23,7 +23,9 @@ fn own_share(front: Fetches, back: Fetches, ends: FilledEnds) -> f32 {
 fn hit_at(lines: Lines, front: Fetches, p_front: vec3f, back: Fetches, p_back: vec3f, kept: Kept, faces: Faces) -> Hit {
   let ends = filled_ends(sample_here(front.own, p_front), sample_here(back.own, p_back));
   if (own_share(front, back, ends) > rest_nearest(front.rest, p_front, back.rest, p_back)) {
-    return rest_hit_at(lines.rest, front.rest, p_front, back.rest, p_back, kept, faces.rest);
+    var behind = rest_hit_at(lines.rest, front.rest, p_front, back.rest, p_back, kept, faces.rest);
+    behind.met.layer += 1u;
+    return behind;
   }
   var acc = begin();
   let shown = shown_surface(ends.front, ends.back);

@@ -2,9 +2,11 @@
 
 import generated::sizes::{CUTS_LAYERS, IN_PARTS, Values};
 import next::several::layer::{Lines, are_hidden, are_idle, block_behind, border_of, fetch_all, hold_part, last_border_of, lines_of, parts_at, span_of};
+import package::kept::Kept;
 import package::ray::Ray;
 import package::sample::Sample;
 import package::spacing::Spacing;
+import slot::clips::kept_from;
 
 // Where index coordinates of all layers would be, the world's.
 struct WorldRay { origin: vec3f, direction: vec3f }
@@ -51,6 +53,9 @@ fn is_idle(line: Line, front: Fetched, next: Fetched) -> bool { return are_idle(
 fn is_hidden(line: Line, front: Fetched, next: Fetched) -> bool { return are_hidden(line.lines, front.value, next.value); }
 
 fn next_block(line: Line, t_world: f32, t_leave: f32) -> f32 { return block_behind(line.lines, t_world, t_leave); }
+
+// Clips of all layers.
+fn kept_of(line: Line, t_world: f32, t_leave: f32) -> Kept { return kept_from(line.ray, line.at, t_world, t_leave); }
 
 fn border_behind(line: Line, t_world: f32) -> f32 { return border_of(line.lines, t_world); }
 
