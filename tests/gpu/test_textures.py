@@ -26,6 +26,7 @@ def device(kind="discrete", unorm16=True, float32=True):
         ("u1", device(), "r8unorm"),
         ("u1", device("software"), "r16float"),
         ("i2", device(), "r16unorm"),
+        ("i2", device("software"), "r16float"),
         ("i2", device(unorm16=False), "r32float"),
         ("i2", device(unorm16=False, float32=False), "r16float"),
         ("f2", device(), "r16float"),
@@ -35,6 +36,18 @@ def device(kind="discrete", unorm16=True, float32=True):
 )
 def test_choice(dtype, where, expected):
     assert choose_encoding(np.dtype(dtype), 0, 200, filtered=True, device=where).format == expected
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"), [(-1024, 3071, "r16float"), (-1024, 3073, "r16unorm"), (0, 65535, "r16unorm")]
+)
+@pytest.mark.parametrize("dtype", ["i2", "u2"])
+def test_software_samples_16_bits_as_half_floats_where_these_are_exact(dtype, low, high, expected):
+    encoding = choose_encoding(np.dtype(dtype), low, high, filtered=True, device=device("software"))
+    assert (encoding.format, encoding.error) == (expected, 0.0)
+    if expected == "r16float":
+        values = np.arange(max(low, 0) if dtype == "u2" else low, high + 1).astype(dtype)
+        np.testing.assert_array_equal(encode(values, encoding).astype(float) * encoding.scale + encoding.offset, values)
 
 
 @pytest.mark.parametrize(

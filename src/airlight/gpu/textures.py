@@ -21,6 +21,8 @@ from ..volume import is_empty, statistics
 from .device import Device
 
 CHUNK_BYTES = 32 << 20
+EXACT_HALVES = 2048
+"""Whole numbers up to it are half floats."""
 WIDTHS = {1: "r", 2: "rg", 4: "rgba"}
 EMPTY = np.float32(-3.4e38)
 
@@ -69,17 +71,20 @@ def choose_encoding(
         if software and filtered:
             return Encoding("r16float", "f2", 1.0, 0.0)
         return Encoding("r8unorm", "u1", 255.0, base)
+    # Half floats are densest around zero: the range is centred there. Software samples them quickest.
+    middle = float(np.round((low + high) / 2)) if dtype.kind in "iu" else (low + high) / 2
+    reach = max(high - middle, middle - low)
+    halves = Encoding("r16float", "f2", 1.0, middle)
+    if software and filtered and dtype.kind in "iu" and dtype.itemsize == 2 and reach <= EXACT_HALVES:
+        return halves
     if dtype.kind in "iu" and dtype.itemsize == 2 and unorm16:
         return Encoding("r16unorm", "u2", 65535.0, -32768.0 if dtype.kind == "i" else 0.0)
     if dtype == np.float16:
         return Encoding("r16float", "f2", 1.0, 0.0)
     if float32:
         return Encoding("r32float", "f4", 1.0, 0.0, float32_error(dtype, low, high))
-    # Half floats are densest around zero: centre the range there. Whole numbers up to 2048 stay exact.
-    middle = float(np.round((low + high) / 2)) if dtype.kind in "iu" else (low + high) / 2
-    reach = max(high - middle, middle - low)
-    if dtype.kind in "iu" and reach <= 2048:
-        return Encoding("r16float", "f2", 1.0, middle)
+    if dtype.kind in "iu" and reach <= EXACT_HALVES:
+        return halves
     scale = reach or 1.0
     return Encoding("r16float", "f2", scale, middle, scale * 2.0**-12)
 
@@ -97,9 +102,10 @@ def encode(part: npt.NDArray[Any], encoding: Encoding) -> npt.NDArray[Any]:
         return part.view(np.uint8) if part.dtype.kind in "bu" else part.view(np.uint8) ^ np.uint8(0x80)
     if encoding.dtype == "u2":
         return part if part.dtype.kind == "u" else part.view(np.uint16) ^ np.uint16(0x8000)
-    if part.dtype.itemsize == 1 and encoding.dtype == "f2":
-        table = np.arange(256, dtype=np.uint8).view(part.dtype if part.dtype != bool else np.uint8).astype(np.float16)
-        return table[part.view(np.uint8)]
+    if part.dtype.kind in "biu" and part.dtype.itemsize <= 2 and encoding.dtype == "f2":
+        bits = np.dtype(f"u{part.dtype.itemsize}")
+        values = np.arange(1 << 8 * bits.itemsize, dtype=bits).view(part.dtype if part.dtype != bool else bits)
+        return ((values - encoding.offset) / encoding.scale).astype(np.float16)[part.view(bits)]
     if encoding.offset == 0.0 and encoding.scale == 1.0:
         return part.astype(encoding.dtype, copy=False)
     centred = part.astype(np.float64) - encoding.offset
