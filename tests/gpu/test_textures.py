@@ -50,6 +50,14 @@ def test_software_samples_16_bits_as_half_floats_where_these_are_exact(dtype, lo
         np.testing.assert_array_equal(encode(values, encoding).astype(float) * encoding.scale + encoding.offset, values)
 
 
+def test_values_that_a_grid_does_not_have_may_be_beyond_half_floats():
+    """The table of a type holds them all: 65535 - 10 is no half float, and nothing is said of it."""
+    encoding = choose_encoding(np.dtype("u2"), 0, 20, filtered=True, device=device("software"))
+    np.testing.assert_array_equal(
+        encode(np.arange(21, dtype=np.uint16), encoding).astype(float) + encoding.offset, np.arange(21)
+    )
+
+
 @pytest.mark.parametrize(
     ("dtype", "where", "pair", "four"),
     [

@@ -105,7 +105,8 @@ def encode(part: npt.NDArray[Any], encoding: Encoding) -> npt.NDArray[Any]:
     if part.dtype.kind in "biu" and part.dtype.itemsize <= 2 and encoding.dtype == "f2":
         bits = np.dtype(f"u{part.dtype.itemsize}")
         values = np.arange(1 << 8 * bits.itemsize, dtype=bits).view(part.dtype if part.dtype != bool else bits)
-        table = ((values - encoding.offset) / encoding.scale).astype(np.float16)
+        with np.errstate(over="ignore"):  # of values that the grid does not have
+            table = ((values - encoding.offset) / encoding.scale).astype(np.float16)
         return np.asarray(table[part.view(bits)])
     if encoding.offset == 0.0 and encoding.scale == 1.0:
         return part.astype(encoding.dtype, copy=False)

@@ -164,7 +164,7 @@ def carried(scene: Scene, stored: Stored, size_px: tuple[int, int], driver: Stag
     program = build_program(page_key(frame, is_editable))
     found = Carried(frame, program, stored, is_editable)
     for binding, resource in found._resources():
-        check_resource(binding, resource, {**frame.scene_stages, **frame.layers[0].stages})
+        check_resource(binding, resource, frame.stages_of(frame.layers[0]))
     _check_camera(frame, device, driver, step)
     return found
 

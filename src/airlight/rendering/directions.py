@@ -91,7 +91,7 @@ def light_directions(frame: MarchFrame) -> None:
         lighting = layer.stages["lighting"]
         if not isinstance(lighting, Quantised):
             continue
-        camera, visibility = frame.scene_stages["camera"], {**frame.scene_stages, **layer.stages}["visibility"]
+        camera, visibility = frame.scene_stages["camera"], frame.stages_of(layer)["visibility"]
         lighting.check(camera, layer.stages["shade"], visibility, [light.kind for light in frame.scene.lights])
         lit = layer.resources["lighting"]["lit"]
         assert isinstance(lit, LitDirections)

@@ -68,7 +68,7 @@ def check_lit(frame: MarchFrame) -> None:
     if not (getattr(integrate, "uses_slabs", False) and hasattr(integrate, "opaque_at")):
         raise StageError(WHERE, f"lets light through slabs, and {integrate.name} has none", 'use driver="march"')
     for layer in frame.layers:
-        visibility = {**frame.scene_stages, **layer.stages}["visibility"]
+        visibility = frame.stages_of(layer)["visibility"]
         if not isinstance(visibility, NoOcclusion):
             raise StageError(
                 WHERE, f"tells itself what reaches a place, and so does {visibility.name}", 'use visibility="none"'

@@ -107,6 +107,10 @@ class MarchFrame:
     ran: list[str] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
 
+    def stages_of(self, layer: DrawnLayer) -> dict[str, Stage]:
+        """Return all stages that draw a layer: its own, and those that belong to none."""
+        return {**self.scene_stages, **layer.stages}
+
     @property
     def scene_resources(self) -> dict[str, Mapping[str, Resource]]:
         """Resources of the stages that belong to no layer."""
@@ -244,7 +248,7 @@ def is_adaptive(frame: MarchFrame) -> bool:
 def is_curved(frame: MarchFrame) -> bool:
     """Whether values are put right for curvature: asked of the driver, and of use to all layers."""
     asked = bool(getattr(frame.scene_stages["driver"], "curved", False)) and not walks_blocks(frame)
-    return asked and all(gains_from_curvature({**frame.scene_stages, **layer.stages}) for layer in frame.layers)
+    return asked and all(gains_from_curvature(frame.stages_of(layer)) for layer in frame.layers)
 
 
 def walks_blocks(frame: MarchFrame) -> bool:

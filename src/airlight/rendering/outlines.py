@@ -99,7 +99,7 @@ def check_outlines(frame: MarchFrame) -> None:
         what = "meets no meshes, and one clips: it tells neither clip_place nor seen_within"
         raise StageError(f"camera {camera.name!r}", what, "use another clip")
     for layer in frame.layers:
-        visibility = {**frame.scene_stages, **layer.stages}["visibility"]
+        visibility = frame.stages_of(layer)["visibility"]
         along = [clip for clip in layer.context.clips if isinstance(clip, Solid) or clip.cuts != "volume"]
         if along and visibility.name != "none":
             what = f"knows nothing of a {along[0].kind} that cuts rays of pixels"

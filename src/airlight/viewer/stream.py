@@ -16,7 +16,6 @@ from collections import deque
 from collections.abc import Mapping
 from concurrent.futures import CancelledError, Future, wait
 from dataclasses import dataclass, field, replace
-from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from ..errors import AirlightError, ValueRangeError
@@ -354,7 +353,7 @@ class Stream:
 
         def programs() -> deque[Program]:
             near = range(1, sum(1 for _ in scenes_near(document.scene)))
-            edited = product((True, False) if self._pace.drawn(document.step).hurries else (False,), near)
+            edited = itertools.product((True, False) if self._pace.drawn(document.step).hurries else (False,), near)
             return deque([*edited, REFINING] if refines(wanted) else edited)
 
         self._warm = self._session.viewer.warmed(kind, programs)
