@@ -213,6 +213,7 @@ def switches_of(frame: MarchFrame) -> Switches:
         lights_faces=bool(frame.clips) and any(layer.stages["lighting"].name != "unlit" for layer in frame.layers),
         draws_caps=draws_caps(frame),
         adaptive=is_adaptive(frame),
+        lit=classifies and any(layer.stages["lighting"].name != "unlit" for layer in frame.layers),
         in_parts=isinstance(frame.scene_stages["driver"], SliceDriver),
         cuts_at_covers=frame.covers.cut_slabs,
         cuts_layers=len(frame.clip_groups) > 1,

@@ -430,8 +430,9 @@ class Switches:
     its blocks are. ``blocks_know_more``: two samples do not tell that slabs in these are empty; ``hides``: of some slabs that
     are passed over they do not tell that nothing is seen of them. ``walks_blocks``: each of the other blocks is sampled,
     whatever the step; ``walks_cells``: each of their cells of eight voxels is looked through.
-    ``has_crossings``: slabs are cut at surfaces of the transfer function. ``lights_faces``: where clips cut, light comes from
-    their faces. ``draws_caps``: such faces may be solid. ``cuts_at_covers``: slabs are cut where meshes let light pass.
+    ``lit``: slabs are lit, which takes long. ``has_crossings``: slabs are cut at surfaces of the transfer function.
+    ``lights_faces``: where clips cut, light comes from their faces. ``draws_caps``: such faces may be solid.
+    ``cuts_at_covers``: slabs are cut where meshes let light pass.
     ``adaptive``: slabs are longer where little of them gets through to the eye. ``in_parts``: rays are marched part by part.
     ``cuts_layers``: clips cut some of several layers alone.
     """
@@ -449,6 +450,7 @@ class Switches:
     hides: bool = False
     walks_blocks: bool = False
     walks_cells: bool = False
+    lit: bool = False
     has_crossings: bool = False
     cuts_at_covers: bool = False
     lights_faces: bool = False

@@ -1,6 +1,6 @@
 // Samples at equal distances from the eye.
 
-import generated::sizes::{ADAPTIVE, BLOCKS_KNOW_MORE, CURVED, HAS_CROSSINGS, SKIPS_BLOCKS};
+import generated::sizes::{ADAPTIVE, BLOCKS_KNOW_MORE, CURVED, HAS_CROSSINGS, LIT, SKIPS_BLOCKS};
 import package::curved::curved_value;
 import package::walk::{Ends, Fetched, Line, fetch, fetch_at, fetch_near, first_behind, is_hidden, is_idle, last_before, next_block};
 import slot::integrate::{Accumulated, through};
@@ -81,8 +81,9 @@ fn walk_on(walk: ptr<function, Walk>, line: Line, acc: ptr<function, Accumulated
     if (w.next.t_world >= line.leave) { break; }
     w.leaps = SKIPS_BLOCKS && idle;
     if (BLOCKS_KNOW_MORE && !idle) { look_again(&w, run + 1u); }
-    if (idle && SKIPS_BLOCKS) { continue; }
-    if (!is_hidden(line, w.front, w.next)) { break; }
+    if (idle && SKIPS_BLOCKS && LIT) { continue; }
+    // Slabs that are soon taken are, with nothing in them: on wide processors no ray waits for one that looks further.
+    if (idle || !is_hidden(line, w.front, w.next)) { break; }
     w.front = w.next;
     w.hid = true;
   }
