@@ -16,10 +16,11 @@ PLANES_FORMAT, PLANE_TEXEL_BYTES = "rgba16float", 8  # what is carried on is not
 PICTURE_FORMAT = "rgba16float"
 
 
-def light_buffers(device: Device, size: int, planes: int) -> tuple[tuple[Any, Any], Any]:
-    """Views of two square textures, one for the light at a plane in turn, and of one for so many planes, a slice for each.
+def light_buffers(device: Device, size: int, texels: int) -> tuple[tuple[Any, Any], Any]:
+    """Views of two square textures, for the light at a plane in turn, and of one with so many texels in x for each of theirs.
 
-    They are kept for the next frame.
+    They are kept for the next frame. What a ray writes lies side by side: planes one behind the other would be a multiple of
+    4096 bytes apart, and drive each other out of caches.
 
     Raises
     ------
@@ -27,21 +28,21 @@ def light_buffers(device: Device, size: int, planes: int) -> tuple[tuple[Any, An
         When the device has no textures of this size.
     """
     most = device.limits["max-texture-dimension-3d"]
-    for name, number, texels in (("light_size", size, size), ("group", planes - 1, planes)):
-        if texels > most:
-            what = f"is {number}, and textures of {device.info.name} have {most} texels a side at most"
+    for name, number in (("light_size", size), ("group", texels)):
+        if number > most:
+            what = f"asks for {number} texels, and textures of {device.info.name} have {most} texels a side at most"
             raise LimitError(f"driver.half_angle.{name}", what, "take less")
     usage = wgpu.TextureUsage
 
     def view(name: str, shape: tuple[int, int, int], texel_format: str, use: int) -> Any:
         def made() -> Any:
-            dimension, use_all = "2d" if shape[2] == 1 else "3d", use | usage.TEXTURE_BINDING
+            dimension, use_all = "2d" if name != "planes" else "3d", use | usage.TEXTURE_BINDING
             return device.gpu.create_texture(size=shape, dimension=dimension, format=texel_format, usage=use_all)
 
         return device.kept.get(("light", name, shape), made).create_view()
 
     one, other = (view(name, (size, size, 1), LIGHT_FORMAT, usage.RENDER_ATTACHMENT) for name in ("one", "other"))
-    return (one, other), view("planes", (size, size, planes), PLANES_FORMAT, usage.STORAGE_BINDING)
+    return (one, other), view("planes", (texels, size, size), PLANES_FORMAT, usage.STORAGE_BINDING)
 
 
 def picture_view(device: Device, picture: LightImage) -> Any:

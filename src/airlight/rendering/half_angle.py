@@ -48,9 +48,10 @@ from .proxies.pieces import Pieces, pieces_between
 from .proxies.polyhedra import Polyhedron, inflated
 from .rasterised import depths_between
 from .resources import DrawnLayer, pack_uniforms
-from .sweep import draw_groups, hull_of, planes_of, slice_statistics, sweep_program
+from .sweep import corners_of, draw_groups, hull_of, numbers_of, planes_of, shown_in, slice_statistics, sweep_program
 
 WHERE = "driver 'half_angle'"
+KEPT_SLICES = 48  # room is made for multiples of so many slices, so that few lights ask for more
 UNTOUCHED = -1.0  # as wgsl/light_kept.wgsl has it
 
 
@@ -164,11 +165,6 @@ def longest_way(driver: Stage, layers: Sequence[Layer], scene: Scene, size_px: t
     return step_world * math.sqrt(2) ** halves
 
 
-def corners_of(frame: MarchFrame) -> FloatArray:
-    """Corners (n, 3) of the domains of all layers in the user's world."""
-    return np.concatenate([layer.context.volume.corners_world(layer.field.cells) for layer in frame.layers])
-
-
 def sweeps_of(frame: MarchFrame) -> list[tuple[MarchFrame, Carried]]:
     """What the eye sees of each light, and the light beside it."""
     check_lit(frame)
@@ -189,7 +185,12 @@ def sweep_of(frame: MarchFrame, driver: HalfAngle, lamp: Lamp) -> tuple[MarchFra
         group=driver.slices_at_once,
         given=lamp.planes,
     )
-    stages = {**frame.scene_stages, "driver": sweep, "visibility": Passed(), "transport": driver.transport}
+    stages = {
+        **frame.scene_stages,
+        "driver": sweep,
+        "visibility": Passed(driver.transport.is_grey),
+        "transport": driver.transport,
+    }
     layers = frame.layers if lamp.number == 0 else tuple(map(lit_alone, frame.layers))
     eye = replace(frame, scene=replace(frame.scene, lights=(lamp.light,)), scene_stages=stages, layers=layers)
     return eye, Carried(eye, light_frame(eye, lamp, driver), lamp, driver)
@@ -198,7 +199,7 @@ def sweep_of(frame: MarchFrame, driver: HalfAngle, lamp: Lamp) -> tuple[MarchFra
 def light_frame(frame: MarchFrame, lamp: Lamp, driver: HalfAngle) -> MarchFrame:
     """Frame of a light that sees what the eye sees: rays that find out what comes through."""
     size = (driver.light_size, driver.light_size)
-    camera = light_camera(lamp.given, frame.layers[0].context.camera, corners_of(frame), driver.light_size, lamp.number)
+    camera = light_camera(lamp.given, frame.layers[0].context.camera, shown_in(frame), driver.light_size, lamp.number)
     if isinstance(camera, Orthographic):
         eye, target = (shifted(point, frame.anchor_world) for point in (camera.eye, camera.target))
         near: Camera = replace(camera, eye=eye, target=target)
@@ -207,7 +208,8 @@ def light_frame(frame: MarchFrame, lamp: Lamp, driver: HalfAngle) -> MarchFrame:
             near, _ = near_camera(camera, frame.anchor_world, frame.layers[0], frame.step_world)
         except ValueRangeError as error:
             raise ValueRangeError(f"scene.lights[{lamp.number}]", error.what, "use Light.directional") from None
-    stages = {**frame.scene_stages, "camera": near, "integrate": Transmittance(), "visibility": NoOcclusion(), "tone": Linear()}
+    kept = Transmittance(driver.transport.is_grey)
+    stages = {**frame.scene_stages, "camera": near, "integrate": kept, "visibility": NoOcclusion(), "tone": Linear()}
     layers = tuple(unlit(layer, size) for layer in frame.layers)
     return replace(frame, scene_stages=stages, layers=layers, size_px=size, t_offset_world=0.0, passes=())
 
@@ -279,8 +281,8 @@ class Carried:
             self.pieces = self._pieces()
             self.corners = raster.write_corners(device, "corners of light", self.pieces.corners)
             self.depths = depths_between(self.pieces.corners.reshape(-1, 3), frame)
-        planes_kept = kept_planes(self.driver, max((end - begin for begin, end in self.ends), default=1))
-        self.buffers, self.kept = light_buffers.light_buffers(device, self.driver.light_size, planes_kept)
+        texels = kept_texels(self.driver, max((end - begin for begin, end in self.ends), default=1))
+        self.buffers, self.kept = light_buffers.light_buffers(device, self.driver.light_size, texels)
         self.values = uploaded(frame, self.program)
         self.values["planes"] = PlaneUniforms(tuple(turned.normal), turned.first, turned.spacing_world, turned.measured)
         size = frame.size_px
@@ -363,9 +365,13 @@ class Carried:
         )
 
 
-def kept_planes(driver: HalfAngle, slices: int) -> int:
-    """Planes at which light is kept, for so many slices at once: few numbers of them, since turning lights keep the texture."""
-    return 1 + min(driver.slices_at_once, 1 << max(slices - 1, 0).bit_length())
+def kept_texels(driver: HalfAngle, slices: int) -> int:
+    """Texels of a ray for the light at all planes of so many slices: few numbers, so that turning lights keep a texture.
+
+    One for each plane, or for three, which it holds with the one before them.
+    """
+    slices = min(driver.slices_at_once, -(-slices // KEPT_SLICES) * KEPT_SLICES)
+    return -(-slices // 3) if driver.transport.is_grey else 1 + slices
 
 
 def draw_lights(frame: MarchFrame, bands: list[Band]) -> None:
@@ -405,9 +411,11 @@ def light_statistics(frame: MarchFrame) -> dict[str, Any]:
     """What ``image.stats`` says of lights: slices, groups and order of each one's sweep, and its buffers."""
     driver = frame.scene_stages["driver"]
     assert isinstance(driver, HalfAngle)
-    sweeps = [slice_statistics(eye)["slices"] for eye, _ in frame.once(sweeps_of)]
-    planes = kept_planes(driver, max(sweep["count"] for sweep in sweeps) - 1)
-    texel_bytes = 2 * light_buffers.TEXEL_BYTES + planes * light_buffers.PLANE_TEXEL_BYTES
+    eyes = [eye for eye, _ in frame.once(sweeps_of)]
+    sweeps = [slice_statistics(eye)["slices"] for eye in eyes]
+    longest = max((end - begin for eye in eyes for begin, end in eye.once(numbers_of).groups), default=1)
+    texels = kept_texels(driver, longest)
+    texel_bytes = 2 * light_buffers.TEXEL_BYTES + texels * light_buffers.PLANE_TEXEL_BYTES
     formats = [light_buffers.LIGHT_FORMAT, light_buffers.PLANES_FORMAT]
     kept = {"size": [driver.light_size] * 2, "formats": formats, "bytes": driver.light_size**2 * texel_bytes}
     return {"lights": {"sweeps": sweeps, "buffers": kept, "transport": driver.transport.name}}

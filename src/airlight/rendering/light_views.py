@@ -26,15 +26,18 @@ def light_camera(light: Light, eye: Camera, points_world: FloatArray, size: int,
     ValueRangeError
         When the light is among the points, or so near that they lie all round it.
     """
-    middle, wider = points_world.mean(axis=0), 1 + 2 * MARGIN_TEXELS / size
+    middle, wider = (points_world.min(axis=0) + points_world.max(axis=0)) / 2, 1 + 2 * MARGIN_TEXELS / size
     way = way_of(light, eye, middle)
     up = point_of(across(way, eye))
     if is_parallel(light, eye):
         beside = Camera.orthographic(eye=point_of(middle), target=point_of(middle + way), up=up)
         right, above, _ = beside.basis()
-        aside = points_world - middle
-        reach = float(np.linalg.norm(aside, axis=1).max())
-        half = max(float(np.abs(aside @ right).max()), float(np.abs(aside @ above).max()))
+        axes = np.stack([right, above])
+        aside = (points_world - middle) @ axes.T
+        low, high = aside.min(axis=0), aside.max(axis=0)
+        middle = middle + (low + high) / 2 @ axes
+        reach = float(np.linalg.norm(points_world - middle, axis=1).max())
+        half = float((high - low).max()) / 2
         return Camera.orthographic(
             eye=point_of(middle - 2 * reach * way), target=point_of(middle), up=up, height=2 * half * wider
         )

@@ -47,16 +47,18 @@ LEAST_COSINE = 0.02  # between a ray and the normal of the planes that it passes
 
 @dataclass(frozen=True)
 class Numbers:
-    """Samples of a sweep by number: groups reach from one to the next."""
+    """Samples of a sweep by number, and those between which something may be seen: groups go from one of them to the next."""
 
     first: int
     last: int
     group: int
+    shown: tuple[int, int]
 
     @property
     def groups(self) -> tuple[tuple[int, int], ...]:
         """First and last sample of each group, away from the eye."""
-        return tuple((k, min(k + self.group, self.last)) for k in range(self.first, self.last, self.group))
+        first, last = self.shown
+        return tuple((k, min(k + self.group, last)) for k in range(first, last, self.group))
 
 
 def check_sweep(frame: MarchFrame) -> None:
@@ -160,7 +162,16 @@ def numbers_of(frame: MarchFrame) -> Numbers:
         raise LimitError(
             "step", f"needs {last - first:,} slices, at most {MOST_SLICES:,} are drawn", "take a larger step, or the march"
         )
-    return Numbers(first, max(first, last), driver.group)
+    last = max(first, last)
+    return Numbers(first, last, driver.group, (first, last) if planes is None else _shown_between(frame, planes, first, last))
+
+
+def _shown_between(frame: MarchFrame, planes: Planes, first: int, last: int) -> tuple[int, int]:
+    """Numbers of planes between which all lies that may be seen, among those from first to last."""
+    places = ((shown_in(frame) - frame.anchor_world) @ planes.normal - planes.first) / planes.spacing_world
+    skin = skin_world(frame) / planes.spacing_world
+    begin, end = (int(np.clip(place, first, last)) for place in (np.floor(places.min() - skin), np.ceil(places.max() + skin)))
+    return begin, max(begin, end)
 
 
 def _distance_to_box(corners: FloatArray, point: FloatArray) -> float:
@@ -169,10 +180,23 @@ def _distance_to_box(corners: FloatArray, point: FloatArray) -> float:
     return float(np.linalg.norm(np.maximum(np.maximum(low - point, point - high), 0.0)))
 
 
+def corners_of(frame: MarchFrame) -> FloatArray:
+    """Corners (n, 3) of the domains of all layers in the user's world."""
+    return np.concatenate([layer.context.volume.corners_world(layer.field.cells) for layer in frame.layers])
+
+
 def _corners(frame: MarchFrame) -> FloatArray:
     """Corners (n, 3) of the domains of all layers in the device's world."""
-    corners = [layer.context.volume.corners_world(layer.field.cells) for layer in frame.layers]
-    return np.asarray(np.concatenate(corners) - frame.anchor_world)
+    return np.asarray(corners_of(frame) - frame.anchor_world)
+
+
+def shown_in(frame: MarchFrame) -> FloatArray:
+    """Points (n, 3) of the user's world between which all lies that may be seen: corners of blocks, or those of the domains."""
+    if getattr(frame.scene_stages["integrate"], "fills", False):
+        return corners_of(frame)
+    leaps = all("leaps" in layer.resources["field"] for layer in frame.layers)
+    shown = [corners_world(frame, layer).reshape(-1, 3) for layer in frame.layers] if leaps else []
+    return np.concatenate(shown) if any(map(len, shown)) else corners_of(frame)
 
 
 def hull_of(frame: MarchFrame) -> Polyhedron:
@@ -196,7 +220,7 @@ def hull_of(frame: MarchFrame) -> Polyhedron:
 
 def pieces_in(frame: MarchFrame, planes: Planes | None, numbers: Numbers) -> Pieces:
     """Proxy of each group: triangles that cover all that it may show."""
-    edges = np.array([begin for begin, _ in numbers.groups] + [numbers.last], dtype=np.float64)
+    edges = np.array([begin for begin, _ in numbers.groups] + [numbers.shown[1]], dtype=np.float64)
     hull = hull_of(frame)
     if planes is not None:
         return pieces_of(hull, planes.normal, planes.first + edges * planes.spacing_world)

@@ -21,6 +21,7 @@ from .transport import Opaque, Transport
 
 LEAST_LIGHT, MOST_LIGHT = 16, 2048
 MOST_BIAS = 8.0
+MOST_TEXELS = 1 << 24  # in which light is kept, of 8 bytes each
 LEAST_COSINE = 0.1  # between a ray that meets the volume and the axis of the slices
 
 
@@ -36,8 +37,10 @@ class HalfAngle(Driver):
     wgsl: ClassVar[str] = "slices.wgsl"
     throws_pictures: ClassVar[bool] = True
     adds_lights: ClassVar[bool] = True
-    light_size: int = value(384, at_least=LEAST_LIGHT, up_to=MOST_LIGHT, help="texels of a side of a light's buffer")
-    group: int = value(64, at_least=1, up_to=MOST_GROUP, help="slices that are drawn in one pass, behind one of the light")
+    light_size: int = value(320, at_least=LEAST_LIGHT, up_to=MOST_LIGHT, help="texels of a side of a light's buffer")
+    group: int = value(
+        512, at_least=1, up_to=MOST_GROUP, help="slices that are drawn in one pass, behind one of the light, as memory allows"
+    )
     bias: float = value(
         1.0,
         at_least=0,
@@ -58,8 +61,10 @@ class HalfAngle(Driver):
 
     @property
     def slices_at_once(self) -> int:
-        """Slices of a group, as many as the transport allows."""
-        return min(self.group, getattr(self.transport, "most_slices", self.group))
+        """Slices of a group, as many as the transport and the memory for light allow."""
+        texels = MOST_TEXELS // self.light_size**2
+        room = 3 * texels if getattr(self.transport, "is_grey", False) else texels - 1
+        return min(self.group, room, getattr(self.transport, "most_slices", self.group))
 
 
 @dataclass(frozen=True)

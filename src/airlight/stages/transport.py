@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..stage import F32, Stage, param, register
+from ..stage import F32, Stage, param, register, static
 from .integrate import Integrate
 from .shade import Shade
 
@@ -15,6 +15,7 @@ Light4 = tuple[float, float, float, float]
 class Transport(Stage):
     """Base of the transport stages.
 
+    ``is_grey``: all colours are dimmed alike, so that four numbers are the light at four planes in a row.
     ``begins`` is what a texel of the light's buffer holds where nothing has been passed; ``most_slices`` how many slices light
     passes at once: fewer where it goes aside, since its neighbours are looked at between groups of slices alone.
     """
@@ -22,6 +23,7 @@ class Transport(Stage):
     slot: ClassVar[str] = "transport"
     begins: ClassVar[Light4] = (1.0, 1.0, 1.0, 1.0)
     most_slices: ClassVar[int] = 4096
+    is_grey: ClassVar[bool] = False
 
 
 @register
@@ -30,6 +32,7 @@ class Opaque(Transport):
     """Grey shadows: what a slab takes from the eye it takes from all colours of a light."""
 
     name: ClassVar[str] = "opaque"
+    is_grey: ClassVar[bool] = True
     wgsl: ClassVar[str] = "transport/opaque.wgsl"
 
 
@@ -78,6 +81,7 @@ class Transmittance(Integrate):
     classifies: ClassVar[bool] = True
     uses_values: ClassVar[bool] = False
     skips_empty: ClassVar[bool] = True
+    grey: bool = static(False, help="whether texels hold the light at planes in a row, of all colours alike")
 
 
 @dataclass(frozen=True)
@@ -87,6 +91,7 @@ class Passed(Stage):
     slot: ClassVar[str] = "visibility"
     name: ClassVar[str] = "half_angle"
     wgsl: ClassVar[str] = "visibility/half_angle.wgsl"
+    grey: bool = static(False, help="as the light's rays have kept it")
 
 
 @dataclass(frozen=True)

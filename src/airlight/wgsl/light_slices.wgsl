@@ -4,7 +4,7 @@
 // or dark.
 
 import generated::group::params as group;
-import generated::pass::{light_before, light_planes_out};
+import generated::pass::light_before;
 import package::met::Met;
 import package::on_tile::on_tile;
 import package::light_kept::{DARK, UNTOUCHED, light_in};
@@ -12,7 +12,7 @@ import package::ray::INFINITE;
 import package::slabs::march_part;
 import package::walk::{line_of, place_of};
 import slot::camera::eye_ray;
-import slot::integrate::{begin, keep_until, light_behind};
+import slot::integrate::{begin, keep_until, light_at_end};
 import slot::transport::{gathered, lasting};
 
 @vertex
@@ -26,7 +26,6 @@ fn pass_group(@builtin(position) place: vec4f) -> @location(0) vec4f {
   let before = textureLoad(light_before, texel, 0);
   if (before.a == DARK) { return before; }
   let line = line_of(eye_ray(vec2f(texel) + 0.5), texel);
-  let planes = textureDimensions(light_planes_out).z;
   var acc = begin();
   acc.light = light_in(before);
   acc.is_new = before.a == UNTOUCHED;
@@ -46,5 +45,5 @@ fn pass_group(@builtin(position) place: vec4f) -> @location(0) vec4f {
   if (!lasting(acc.light)) { acc.through = vec4f(0.0); }
   keep_until(&acc, INFINITE);
   if (!lasting(acc.light)) { return vec4f(vec3f(0.0), DARK); }
-  return light_behind(acc, planes - 1u);
+  return light_at_end(acc);
 }
