@@ -274,15 +274,32 @@ class Within:
 
 
 @dataclass(frozen=True)
+class EvenBlocks:
+    """Blocks in which one medium is, lit everywhere alike.
+
+    They are where the field has one value as far as gradients reach (``around``), or all values to which curvature may move
+    samples (``moved``) lie on one of some ``plateaus`` of the function. ``values``, of the block alone, tell whether to ask.
+    """
+
+    values: BlockRanges
+    around: BlockRanges
+    moved: BlockRanges
+    plateaus: Stretches = ()
+
+
+@dataclass(frozen=True)
 class BlockLeaps:
     """How far rays may leap from each block over blocks in which nothing is.
 
     Nothing is where of each of several conditions one alternative holds: ``empty`` has the conditions. ``known_to_slabs`` tells
     whether the two samples of a slab tell the same. A 3-D texture; WGSL: ``package::blocks`` and ``slot::blocks::leap_of``.
+
+    ``even`` tells of which other blocks one slab may go through several: ``slot::blocks::even_of``.
     """
 
     empty: tuple[tuple[Within, ...], ...]
     known_to_slabs: bool = True
+    even: EvenBlocks | None = None
 
 
 @dataclass(frozen=True)
@@ -297,6 +314,7 @@ class BlockBounds:
 
 
 BLOCK_VOXELS = 4
+MOST_LEAP = 15  # blocks: those before the next one that counts; numbers above go through even blocks
 BOUND_VOXELS = 8
 BOUND_GROUP_VOXELS = 32
 

@@ -16,20 +16,22 @@ from ..stage import (
     BLOCK_VOXELS,
     BOUND_GROUP_VOXELS,
     BOUND_VOXELS,
+    MOST_LEAP,
     BlockBounds,
     BlockLeaps,
     BlockRanges,
     BlockShares,
     BlockSlopes,
     BlockVariable,
+    EvenBlocks,
     Within,
 )
 from ..volume import AnyArray
 from .device import Device
 from .ranges import Ranges, label_ranges, label_shares, sample_ranges
 
-MOST_LEAP = 15  # blocks: those before the next one that counts
 MOST_GROUPS = 4096
+LEAST_EVEN = 0.4  # of the blocks that hold something: where fewer are even it costs more to look for them than it saves
 
 Known = Callable[[BlockVariable], Ranges]
 
@@ -182,11 +184,12 @@ def _grown(words: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
 class Leaps:
     """Leaps as a texture; and groups of blocks in which there is something: each one's place (n, 3), x y z, and its side.
 
-    ``share`` is that of the blocks in which there is.
+    ``share`` is that of the blocks in which there is, ``even`` that of those among them in which one medium is.
     """
 
     texture: Any
     share: float
+    even: float
     groups: npt.NDArray[np.int64]
     group_voxels: int
 
@@ -200,9 +203,13 @@ def block_leaps(device: Device, asked: BlockLeaps, shape: tuple[int, ...]) -> Le
     """Leaps over blocks (z, y, x), made anew only where what is empty, or how it is told, changes."""
     owners: list[Any] = []
     key = tuple(tuple((*_told(w.variable, owners), w.low, w.high) for w in condition) for condition in asked.empty)
+    even = asked.even
+    if even is not None:
+        key += tuple(_told(ranges, owners) for ranges in (even.values, even.around, even.moved)), even.plateaus
 
     def make() -> Leaps:
-        return make_leaps(device, occupied(asked.empty, partial(known_ranges, device), shape))
+        near = occupied(asked.empty, partial(known_ranges, device), shape)
+        return make_leaps(device, near, None if even is None else even_blocks(device, even, near))
 
     found: Leaps = device.kept.get(("leaps", shape, key), make, *owners)
     return found
@@ -227,8 +234,37 @@ def _told(variable: BlockVariable, owners: list[Any]) -> tuple[Any, ...]:
             return ("values", number(grid.volume), *traits, variable.place, variable.reach, variable.overshoot)
 
 
-def make_leaps(device: Device, near: npt.NDArray[np.bool_]) -> Leaps:
-    """Leaps over blocks, on the device, and where there is something."""
+def even_blocks(device: Device, asked: EvenBlocks, near: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_] | None:
+    """Whether one medium is in each block (z, y, x); None where that holds for too few of those ``near``.
+
+    Ranges that reach further are made only where it may matter.
+    """
+    even = near
+    for around, moved in dict.fromkeys(((asked.values, asked.values), (asked.around, asked.moved))):
+        ranges = known_ranges(device, around)
+        even = ranges.least == ranges.greatest
+        for low, high in asked.plateaus:
+            even |= ~_leaves(known_ranges(device, moved), Within(moved, low, high))
+        if not _share(even, near) > LEAST_EVEN:
+            return None
+    return even
+
+
+def _share(flags: npt.NDArray[np.bool_], among: npt.NDArray[np.bool_]) -> float:
+    """Share of the flags that are up among some."""
+    return int(np.count_nonzero(flags & among)) / max(int(np.count_nonzero(among)), 1)
+
+
+def make_leaps(device: Device, near: npt.NDArray[np.bool_], even: npt.NDArray[np.bool_] | None = None) -> Leaps:
+    """Leaps over blocks, on the device, and where there is something.
+
+    Of even blocks with something in them, numbers above ``MOST_LEAP`` tell how far those of the same medium reach: neighbours
+    share the values at their faces.
+    """
+    distances, share = leaps(near), 0.0
+    if even is not None:
+        share = _share(even, near)
+        distances += np.where(near & even, MOST_LEAP + leaps(~even), 0).astype(np.uint8)
     active, side = near, BLOCK_VOXELS
     while np.count_nonzero(active) > MOST_GROUPS:
         for before in ((), (slice(None),), (slice(None), slice(None))):
@@ -236,7 +272,7 @@ def make_leaps(device: Device, near: npt.NDArray[np.bool_]) -> Leaps:
             pairs[(*before, slice(0, others.shape[len(before)]))] |= others
             active = pairs
         side *= 2
-    return Leaps(upload_blocks(device, leaps(near), "r8uint"), float(near.mean()), np.argwhere(active)[:, ::-1], side)
+    return Leaps(upload_blocks(device, distances, "r8uint"), float(near.mean()), share, np.argwhere(active)[:, ::-1], side)
 
 
 def upload_blocks(device: Device, texels: AnyArray, texel_format: str) -> Any:

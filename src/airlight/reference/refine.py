@@ -17,6 +17,8 @@ Along = Callable[[IntArray, FloatArray], FloatArray]
 
 HALVINGS = 6  # Scharsach, section 4: a bracket 64 times narrower
 LINES = 2
+NARROW_VOXELS = 0.05  # bends of the field are voxels apart: of a bracket through which lines are laid
+MOST_HALVINGS = 20
 NODES = np.array([0, 1 / 3, 2 / 3, 1])
 
 
@@ -32,20 +34,28 @@ def refined(
     """Distances (n,) at which values pass ``level``, between samples at ``ends`` (n, 2) with ``values`` (n, 2) on either side.
 
     ``line``: origins and directions (n, 3) of the rays in index coordinates. ``bisection`` halves six times and draws a
-    straight line through what is left; ``secant`` lays two more lines; ``exact`` takes the first root of the
-    trilinear field.
+    straight line through what is left; ``secant`` halves down to ``NARROW_VOXELS`` and lays two more lines; ``exact`` takes
+    the first root of the trilinear field.
     """
     if method == "exact":
         roots = crossings(field, line, ends, level, np.where(values[:, 1] >= level, 1.0, -1.0))
         return np.where(np.isfinite(roots), roots, ends[:, 1])
-    ends, values, rows = ends.copy(), values.copy(), np.arange(len(ends))
+    ends, values = ends.copy(), values.copy()
     beyond, nothing = values[:, 1] >= level, values[:, 0].copy()
-    for turn in range(HALVINGS + LINES * (method == "secant")):
-        t_world = ends.mean(axis=1) if turn < HALVINGS else straight(ends, values, level)
+
+    def narrow(rows: IntArray, t_world: FloatArray) -> None:
         value = field(rows, t_world)
-        value = np.where(np.isnan(value), nothing, value)
-        side = np.where((value >= level) == beyond, 1, 0)
+        value = np.where(np.isnan(value), nothing[rows], value)
+        side = np.where((value >= level) == beyond[rows], 1, 0)
         ends[rows, side], values[rows, side] = t_world, value
+
+    has_lines = method == "secant"
+    narrowest = has_lines * NARROW_VOXELS / np.linalg.norm(line[1], axis=1)
+    for _ in range(MOST_HALVINGS if has_lines else HALVINGS):
+        wide = np.nonzero(ends[:, 1] - ends[:, 0] > narrowest)[0]
+        narrow(wide, ends[wide].mean(axis=1))
+    for _ in range(LINES * has_lines):
+        narrow(np.arange(len(ends)), straight(ends, values, level))
     return straight(ends, values, level)
 
 

@@ -21,7 +21,7 @@ from ..gpu.textures import Progress
 from ..scene import Layer, Scene, check_scene
 from ..shader.program import Program
 from ..stage import SLOTS, Context, Stage, make_stage
-from ..stages.blocks import block_bounds, block_leaps
+from ..stages.blocks import block_bounds, block_leaps, even_blocks
 from ..stages.driver import gains_from_curvature, sharpens_surfaces
 from ..stages.passes import Pass
 from ..stages.transfer import Transfer
@@ -38,7 +38,7 @@ from .march import MarchFrame, declares, draws_caps
 from .nearby import chosen_anchor, near_camera, shifted_lights
 from .outlines import check_outlines
 from .passes import check_bounds, check_reads
-from .resources import DrawnLayer, unless_full
+from .resources import DrawnLayer, if_even, told_leaps, unless_full
 from .shown import IntArray
 from .stats import disagreement_statistics, frame_statistics
 from .ways import RAYS, draw_frame, way_of
@@ -240,6 +240,9 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
         for layer, context in zip(visible, contexts, strict=True)
     )
     stages = visible[0].look.stages()
+    if request.skip in ("auto", "blocks") and len(layers) == 1 and request.driver.name == "march":
+        asked = even_blocks({**stages, **layers[0].stages}, stages["integrate"], contexts[0], told_leaps(layers[0]))
+        layers = (if_even(device, layers[0], asked),)
     if request.skip == "auto" and len(layers) == 1 and getattr(stages["integrate"], "skips_empty", False):
         layers = (unless_full(device, layers[0]),)
     anchor_world = chosen_anchor(layers[0])

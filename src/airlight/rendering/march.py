@@ -32,7 +32,7 @@ from ..shader.program import (
     build_program,
     stage_key,
 )
-from ..stage import BlockLeaps, Resource, Stage
+from ..stage import Resource, Stage
 from ..stages import tone as tones
 from ..stages.driver import gains_from_curvature
 from ..stages.driver_slices import SliceDriver
@@ -47,7 +47,7 @@ from .covers import Covers
 from .hits import HIT_BYTES, Hits
 from .layers import check_layers, check_textures, marched_apart
 from .outlines import Outlines
-from .resources import DrawnLayer, bound_resources, light_count, pack_uniforms, uniform_values, write_lights
+from .resources import DrawnLayer, bound_resources, light_count, pack_uniforms, told_leaps, uniform_values, write_lights
 from .shown import IntArray, shown_columns
 
 T = TypeVar("T")
@@ -192,10 +192,10 @@ def switches_of(frame: MarchFrame) -> Switches:
     """What the stages and the data say of each other, and a driver can make use of."""
     integrate = frame.scene_stages["integrate"]
     classifies = bool(getattr(integrate, "classifies", True))
-    leaps = [layer.resources["field"].get("leaps") for layer in frame.layers]
+    leaps = [told_leaps(layer) for layer in frame.layers]
     has_stretches = any(has_empty(layer) and not layer.is_full for layer in frame.layers) or any(leaps)
     skips_empty = bool(getattr(integrate, "skips_empty", False)) and frame.skip != "none" and has_stretches
-    know_more = any(isinstance(one, BlockLeaps) and not one.known_to_slabs for one in leaps)
+    know_more = any(one is not None and not one.known_to_slabs for one in leaps)
     return Switches(
         has_empty=any(layer.field.masked for layer in frame.layers),
         skips_empty=skips_empty,
@@ -214,6 +214,7 @@ def switches_of(frame: MarchFrame) -> Switches:
         draws_caps=draws_caps(frame),
         adaptive=is_adaptive(frame),
         lit=classifies and any(layer.stages["lighting"].name != "unlit" for layer in frame.layers),
+        crosses_even=any(layer.is_even for layer in frame.layers),
         in_parts=isinstance(frame.scene_stages["driver"], SliceDriver),
         cuts_at_covers=frame.covers.cut_slabs,
         cuts_layers=len(frame.clip_groups) > 1,

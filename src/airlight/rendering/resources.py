@@ -64,13 +64,14 @@ LIGHT_KINDS = {"head": 0, "directional": 1, "point": 2, "spot": 2}
 class DrawnLayer:
     """A layer ready to be drawn: its stages, what they may look at, and its uniforms once the grid is on the device.
 
-    ``is_full`` where something is to be seen almost everywhere.
+    ``is_full`` where something is to be seen almost everywhere; ``is_even`` where in many blocks one medium is.
     """
 
     stages: Mapping[str, Stage]
     context: Context
     resources: Mapping[str, Mapping[str, Resource]]
     is_full: bool = False
+    is_even: bool = False
 
     @property
     def field(self) -> Field:
@@ -311,6 +312,12 @@ def _classified_texture(
     )
 
 
+def told_leaps(layer: DrawnLayer) -> BlockLeaps | None:
+    """Return what is asked for to pass over empty blocks, if anything is."""
+    found = layer.resources["field"].get("leaps")
+    return found if isinstance(found, BlockLeaps) and not layer.is_full else None
+
+
 def layer_leaps(device: Device, layer: DrawnLayer) -> blocks.Leaps:
     """Leaps over a layer's blocks; ranges are made once for a volume, whatever values are empty."""
     asked, size = layer.resources["field"]["leaps"], layer.context.volume.size
@@ -322,8 +329,19 @@ def unless_full(device: Device, layer: DrawnLayer) -> DrawnLayer:
     """Return the layer without leaps where hardly a block is empty: to look for what is would cost more than it saves."""
     if "leaps" not in layer.resources["field"] or layer_leaps(device, layer).share < FULL:
         return layer
+    if layer.is_even:
+        return replace(layer, is_full=True)
     known = {name: resource for name, resource in layer.resources["field"].items() if name != "leaps"}
     return replace(layer, resources={**layer.resources, "field": known}, is_full=True)
+
+
+def if_even(device: Device, layer: DrawnLayer, asked: BlockLeaps | None) -> DrawnLayer:
+    """Return the layer with what is asked for slabs through even blocks, where there are many."""
+    if asked is None:
+        return layer
+    told = replace(layer, resources={**layer.resources, "field": {**layer.resources["field"], "leaps": asked}}, is_even=True)
+    is_full = "leaps" not in layer.resources["field"]
+    return replace(told, is_full=is_full) if layer_leaps(device, told).even else layer
 
 
 def _alone_key(device: Device, alone: DrawnLayer, root: str, output: str, extra: tuple[str, ...]) -> ProgramKey:

@@ -14,7 +14,7 @@ from ..gpu.tiles import Tile
 from ..stages.camera import Orthographic, Perspective
 from ..stages.tone import keeps_black
 from ..volume import FloatArray, domain_index
-from .resources import DrawnLayer, layer_leaps
+from .resources import DrawnLayer, layer_leaps, told_leaps
 
 if TYPE_CHECKING:
     from .march import MarchFrame
@@ -57,7 +57,7 @@ def shown_columns(frame: MarchFrame) -> Columns | None:
     camera = frame.scene.camera
     told = isinstance(camera, (Perspective, Orthographic)) and keeps_black(frame.scene_stages["tone"])
     told = told and not getattr(frame.scene_stages["integrate"], "fills", False)
-    if not told or frame.keeps_hits or frame.covers.meshes or any("leaps" not in x.resources["field"] for x in frame.layers):
+    if not told or frame.keeps_hits or frame.covers.meshes or not all(told_leaps(x) for x in frame.layers):
         return None
     corners_px = [on_image(camera, corners_world(frame, layer), frame.size_px) for layer in frame.layers]  # type: ignore[arg-type]
     seen = [corners for corners in corners_px if corners is not None]

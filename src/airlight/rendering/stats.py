@@ -25,7 +25,7 @@ from ..stage import (
 )
 from .disagreement import disagreement_of
 from .march import MarchFrame, switches_of
-from .resources import FULL, DrawnLayer, grid_texture, held_axes, label_texture
+from .resources import FULL, DrawnLayer, grid_texture, held_axes, label_texture, layer_leaps
 
 
 class Estimates(Mapping[str, float]):
@@ -123,7 +123,13 @@ def disagreement_statistics(frame: MarchFrame, rgba: npt.NDArray[np.float32]) ->
     return {"disagreement": Estimates(numbers)}
 
 
-def skip_statistics(frame: MarchFrame) -> dict[str, str]:
+def skip_statistics(frame: MarchFrame) -> dict[str, Any]:
+    """Whether blocks are passed over, why not where it was asked for, and which share of the others one slab goes through."""
+    layer = frame.layers[0]
+    return done_of_skipping(frame) | ({"even": layer_leaps(frame.device, layer).even} if layer.is_even else {})
+
+
+def done_of_skipping(frame: MarchFrame) -> dict[str, Any]:
     """Whether blocks are passed over, and why not where it was asked for."""
     switches = frame.once(switches_of)
     if switches.skips_blocks or any("bounds" in layer.resources["field"] for layer in frame.layers):

@@ -21,6 +21,7 @@ from ..stage import (
     BOUND_VOXELS,
     F32,
     I32,
+    MOST_LEAP,
     SLOTS,
     U32,
     BlockBounds,
@@ -433,7 +434,8 @@ class Switches:
     ``lit``: slabs are lit, which takes long. ``has_crossings``: slabs are cut at surfaces of the transfer function.
     ``lights_faces``: where clips cut, light comes from their faces. ``draws_caps``: such faces may be solid.
     ``cuts_at_covers``: slabs are cut where meshes let light pass.
-    ``adaptive``: slabs are longer where little of them gets through to the eye. ``in_parts``: rays are marched part by part.
+    ``adaptive``: slabs are longer where little of them gets through to the eye; ``crosses_even``: one slab goes through blocks
+    in which one medium is. ``in_parts``: rays are marched part by part.
     ``cuts_layers``: clips cut some of several layers alone.
     """
 
@@ -456,6 +458,7 @@ class Switches:
     lights_faces: bool = False
     draws_caps: bool = False
     adaptive: bool = False
+    crosses_even: bool = False
     in_parts: bool = False
     cuts_layers: bool = False
 
@@ -572,7 +575,8 @@ def build_program(key: ProgramKey) -> Program:
                 slots["taps"] = (*slots.get("taps", ()), (taps, package_source(f"taps/{taps}.wgsl")))
                 voxels = "stack" if dict(stage.resources).get("grid", "").endswith("stack") else "grid"
                 slots["voxels"] = (*slots.get("voxels", ()), (voxels, package_source(f"voxels/{voxels}.wgsl")))
-                is_told = key.switches.skips_blocks and any(name == "leaps" for name, _ in stage.resources)
+                asks = key.switches.skips_blocks or key.switches.crosses_even
+                is_told = asks and any(name == "leaps" for name, _ in stage.resources)
                 blocks = "bounds" if _tells_bounds(stage) else "leaps" if is_told else "unknown"
                 slots["blocks"] = (*slots.get("blocks", ()), (blocks, package_source(f"blocks/{blocks}.wgsl")))
     for name in key.extra:
@@ -643,6 +647,7 @@ def build_program(key: ProgramKey) -> Program:
     constants = {"WORKGROUP_X": x, "WORKGROUP_Y": y, "LUMINANCE_SUMS": LUMINANCE_SUMS, "GROUPS": key.groups}
     constants |= {"SURROUND_STEPS": SURROUND_STEPS}
     constants |= {"BLOCK_VOXELS": BLOCK_VOXELS, "LIGHTS": key.lights, "CHOSEN_WIDTH": CHOSEN_WIDTH}
+    constants |= {"MOST_LEAP": MOST_LEAP}
     constants |= {"GROUP_X": key.group_px[0], "GROUP_Y": key.group_px[1]}
     constants |= {"BOUND_VOXELS": BOUND_VOXELS, "BOUND_GROUP_VOXELS": BOUND_GROUP_VOXELS}
     switches = {name.upper(): str(value).lower() for name, value in dataclasses.asdict(key.switches).items()}

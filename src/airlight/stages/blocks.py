@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -17,16 +18,20 @@ from ..stage import (
     BlockSlopes,
     BlockVariable,
     Context,
+    EvenBlocks,
     Grid,
     Stack,
     Stage,
     Within,
 )
+from ..transfer import TransferFunction
+from .driver import gains_from_curvature
 from .field import Field, needed_groups
 from .field_labels import Occupancy
 from .gradient import Gradient
 from .integrate import Integrate
 from .region import Labelled
+from .transfer import widest
 
 SAME_GRID = 1e-4  # voxels
 ROUNDED = 1.001  # gradients in half floats
@@ -60,6 +65,35 @@ def block_leaps(stages: Mapping[str, Stage], integrate: Stage, context: Context,
         for alternatives in wanted
     )
     return BlockLeaps(empty, not several and hidden is None) if all(empty) else None
+
+
+def even_blocks(stages: Mapping[str, Stage], integrate: Stage, context: Context, leaps: BlockLeaps | None) -> BlockLeaps | None:
+    """Return what is asked of the device where slabs may go through even blocks, too; None where they may not.
+
+    They may where a value tells its medium, by a function of one value of one channel: unlit, on a plateau of the function or
+    where the field has one value; lit by directions alone, where it has one value as far as gradients reach.
+    """
+    field, transfer, gradient = stages["field"], stages["transfer"], stages["gradient"]
+    is_plain = isinstance(context.transfer, TransferFunction) and not context.transfer.surfaces and context.labels is None
+    composites = hasattr(integrate, "opaque_at") and stages["modulation"].name == "none"
+    if not (is_plain and composites and getattr(transfer, "by_value", False)) or getattr(field, "masked", True):
+        return None
+    is_lit = stages["lighting"].name != "unlit"
+    reach = getattr(gradient, "reach_voxels", None) if is_lit else 0
+    by_direction = getattr(stages["shade"], "by_direction", False) and stages["visibility"].name == "none"
+    by_direction &= not context.clips and all(light.kind in ("head", "directional") for light in context.lights)
+    if reach is None or (is_lit and not by_direction):
+        return None
+    place = 4 * needed_groups(context)[0]
+    values = variable_of(place, stages, context)
+    # Values that are put right for curvature stay on a plateau where those a step further do, with a sixth of their range.
+    moves = gains_from_curvature({**stages, "integrate": integrate})
+    moved = variable_of(place, stages, context, step_voxels(context) if moves else 0, moves)
+    if not isinstance(values, BlockRanges) or not isinstance(moved, BlockRanges):
+        return None
+    around = replace(values, reach=values.reach + reach)
+    plateaus = () if is_lit else widest(context.transfer.plateaus)
+    return replace(leaps or BlockLeaps(((),)), even=EvenBlocks(values, around, values if is_lit else moved, plateaus))
 
 
 def block_bounds(stages: Mapping[str, Stage], integrate: Stage, context: Context) -> BlockBounds | None:

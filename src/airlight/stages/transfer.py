@@ -83,7 +83,8 @@ class Transfer(Stage):
     """Base of the transfer stages: the function itself, as the cells that it is linear in.
 
     ``integrates`` tells whether slabs run along the straight line between their two values, ``has_surfaces`` whether surfaces
-    are met on it; ``piece`` names the file below ``transfer/`` that draws a piece of such a line, for WGSL that imports
+    are met on it; ``by_value`` whether nothing of a sample counts but its value, so that slabs between equal values are of one
+    medium, however long; ``piece`` names the file below ``transfer/`` that draws a piece of such a line, for WGSL that imports
     ``slot::piece::between``.
     """
 
@@ -91,6 +92,7 @@ class Transfer(Stage):
     uniform_type: ClassVar[type | None] = FunctionUniforms
     integrates: ClassVar[bool] = False
     has_surfaces: ClassVar[bool] = False
+    by_value: ClassVar[bool] = False
     piece: ClassVar[str] = "unattenuated"
 
     def for_function(self, function: DrawnFunction) -> Transfer:
@@ -229,6 +231,7 @@ class PostClassified(Transfer):
     """Interpolate values, then classify: a slab is the mean of the media at its two ends."""
 
     name: ClassVar[str] = "postclassified"
+    by_value: ClassVar[bool] = True
     wgsl: ClassVar[str] = "transfer/postclassified.wgsl"
 
     def converging(self) -> Transfer:
@@ -246,6 +249,7 @@ class FastPreIntegrated(Transfer):
     """
 
     name: ClassVar[str] = "preintegrated_fast"
+    by_value: ClassVar[bool] = True
     integrates: ClassVar[bool] = True
     wgsl: ClassVar[str] = "transfer/preintegrated.wgsl"
 
@@ -265,6 +269,7 @@ class ExactPreIntegrated(Transfer):
     """
 
     name: ClassVar[str] = "preintegrated_exact"
+    by_value: ClassVar[bool] = True
     integrates: ClassVar[bool] = True
     piece: ClassVar[str] = "cut"
     wgsl: ClassVar[str] = "transfer/preintegrated.wgsl"
@@ -297,6 +302,7 @@ class PreIntegrated(Transfer):
     """
 
     name: ClassVar[str] = "preintegrated"
+    by_value: ClassVar[bool] = True
     integrates: ClassVar[bool] = True
     piece: ClassVar[str] = "attenuated"
     wgsl: ClassVar[str] = "transfer/preintegrated.wgsl"

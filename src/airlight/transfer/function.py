@@ -129,6 +129,23 @@ class TransferFunction(saving.Kept):
             found.append((low, np.inf))
         return sheets.cut_stretches(found, self.surfaces)
 
+    @cached_property
+    def plateaus(self) -> tuple[tuple[float, float], ...]:
+        """Closed intervals of values, ends included, on which one medium is that is not nothing; they may reach to infinity."""
+        media = np.column_stack([self.colours, self.extinctions])
+        first = np.flatnonzero(np.append(True, (media[1:] != media[:-1]).any(axis=1)))
+        last = np.append(first[1:] - 1, len(media) - 1)
+        is_full = (self.extinctions > 0) | (self.associated & (self.colours > 0).any(axis=1))
+        found = []
+        for a, b in zip(first[is_full[first]], last[is_full[first]], strict=True):
+            low, high = float(self.values[a]), float(self.values[b])
+            # A step holds at its very value, so the stretch before it ends just below it.
+            if b + 1 < len(media) and self.values[b + 1] == high:
+                high = float(np.nextafter(np.float32(high), np.float32(-np.inf)))
+            ends = (low if a else -np.inf, high if b + 1 < len(media) else np.inf)
+            found += [ends] if ends[0] < ends[1] else []
+        return tuple(found)
+
     def __call__(self, values: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Colour (..., 3) and extinction (...) at values (...), float64."""
         s = np.asarray(values, dtype=np.float64)

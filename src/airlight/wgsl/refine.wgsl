@@ -1,5 +1,6 @@
 // Where between two samples a ray meets a surface of equal value, sharper than by a straight line: halving (Scharsach, section
-// 4: six steps leave a 64th), halving and then straight lines, or the roots of the cubics that a trilinear field is along a ray.
+// 4: six steps leave a 64th), halving to a share of a voxel and then straight lines, or the roots of the cubics that a trilinear
+// field is along a ray.
 
 import generated::driver::REFINE;
 import generated::sizes::HAS_EMPTY;
@@ -13,6 +14,8 @@ const SECANT = 2u;
 const EXACT = 3u;
 const HALVINGS = 6u;
 const LINES = 2u;
+const NARROW_VOXELS = 0.05;
+const MOST_HALVINGS = 20u;
 
 // A ray in index coordinates, and the value for which it is searched.
 struct Search { origin_index: vec3f, direction_index: vec3f, level: f32, nothing: f32 }
@@ -22,7 +25,13 @@ fn refined(origin_index: vec3f, direction_index: vec3f, near: vec2f, far: vec2f,
   let search = Search(origin_index, direction_index, level, near.y);
   if (REFINE == EXACT) { return first_root(search, near, far); }
   var bracket = vec4f(near, far);
-  for (var i = 0u; i < HALVINGS; i++) { bracket = narrowed(search, bracket, 0.5 * (bracket.x + bracket.z)); }
+  // Lines meet bends of the field, which are voxels apart, better in a narrow bracket, however long the step.
+  var narrow = 0.0;
+  if (REFINE == SECANT) { narrow = NARROW_VOXELS / length(direction_index); }
+  for (var i = 0u; i < select(HALVINGS, MOST_HALVINGS, REFINE == SECANT); i++) {
+    if (bracket.z - bracket.x <= narrow) { break; }
+    bracket = narrowed(search, bracket, 0.5 * (bracket.x + bracket.z));
+  }
   if (REFINE == SECANT) {
     for (var i = 0u; i < LINES; i++) { bracket = narrowed(search, bracket, straight(bracket, level)); }
   }
@@ -64,20 +73,25 @@ fn root_of(rise: Rise) -> f32 {
   return mix(rise.begin, rise.end, share);
 }
 
-// Whether within one cell the field passes to the other side of the level, and where.
-fn rises_between(origin_index: vec3f, direction_index: vec3f, near: vec2f, far: vec2f, level: f32) -> bool {
-  return rise_between(Search(origin_index, direction_index, level, near.y), near, far).piece.y >= 0.0;
+// How far beyond the level the field is, seen from the front, at both ends of a way within one cell and at its thirds.
+fn beyond_between(origin_index: vec3f, direction_index: vec3f, near: vec2f, far: vec2f, level: f32) -> vec4f {
+  let search = Search(origin_index, direction_index, level, near.y);
+  let side = front_side(search);
+  return beyond_along(search, side, near.x, side * (near.y - level), far.x, side * (far.y - level));
 }
 
-fn root_between(origin_index: vec3f, direction_index: vec3f, near: vec2f, far: vec2f, level: f32) -> f32 {
-  return root_of(rise_between(Search(origin_index, direction_index, level, near.y), near, far));
+// False only where the cubic stays before the level: as long as all its coefficients by Bernstein do.
+fn may_rise(beyond: vec4f) -> bool {
+  let inner = vec2f(dot(beyond, vec4f(-5.0, 18.0, -9.0, 2.0)), dot(beyond, vec4f(2.0, -9.0, 18.0, -5.0)));
+  return any(inner >= vec2f(0.0)) || beyond.x >= 0.0 || beyond.w >= 0.0;
 }
 
-fn rise_between(search: Search, near: vec2f, far: vec2f) -> Rise {
-  let side = select(1.0, -1.0, near.y >= search.level);
-  let c = cubic_between(search, side, near.x, side * (near.y - search.level), far.x, side * (far.y - search.level));
-  return Rise(c, rising_piece(c), near.x, far.x);
+fn rise_of(beyond: vec4f, begin: f32, end: f32) -> Rise {
+  let c = cubic_through(beyond);
+  return Rise(c, rising_piece(c), begin, end);
 }
+
+fn front_side(search: Search) -> f32 { return select(1.0, -1.0, search.nothing >= search.level); }
 
 // Where the field first passes to the other side of the level, or the last cell: distances [world] at which the ray enters and
 // leaves the cell, the cubic there (negative on the side of the front), and its piece as of `rising_piece`.
@@ -91,7 +105,7 @@ fn first_rise(search: Search, near: vec2f, t_far: f32) -> Rise {
   let along = abs(direction) < vec3f(1e-30);
   let p = origin + near.x * direction;
   var face = select(ceil(p) - 1.0, floor(p) + 1.0, forward);
-  let side = select(1.0, -1.0, near.y >= search.level);
+  let side = front_side(search);
   var t = near.x;
   var y = side * (near.y - search.level);
   var c = vec4f(0.0);
@@ -102,7 +116,7 @@ fn first_rise(search: Search, near: vec2f, t_far: f32) -> Rise {
     end = clamp(min(t_faces.x, min(t_faces.y, t_faces.z)), t, t_far);
     face += select(vec3f(0.0), sign(direction), t_faces <= vec3f(end));
     let z = side * (scalar_along(search, end) - search.level);
-    c = cubic_between(search, side, t, y, end, z);
+    c = cubic_through(beyond_along(search, side, t, y, end, z));
     piece = rising_piece(c);
     if (piece.y >= 0.0 || end >= t_far) { break; }
     t = end;
@@ -111,11 +125,20 @@ fn first_rise(search: Search, near: vec2f, t_far: f32) -> Rise {
   return Rise(c, piece, t, end);
 }
 
-// The cubic between two places of a cell, by how far values are beyond the level.
-fn cubic_between(search: Search, side: f32, begin: f32, y: f32, end: f32, z: f32) -> vec4f {
+fn beyond_along(search: Search, side: f32, begin: f32, y: f32, end: f32, z: f32) -> vec4f {
   let a = side * (scalar_along(search, mix(begin, end, 1.0 / 3.0)) - search.level);
   let b = side * (scalar_along(search, mix(begin, end, 2.0 / 3.0)) - search.level);
-  return vec4f(y, -5.5 * y + 9.0 * a - 4.5 * b + z, 9.0 * y - 22.5 * a + 18.0 * b - 4.5 * z, 4.5 * (z - y) + 13.5 * (a - b));
+  return vec4f(y, a, b, z);
+}
+
+// The cubic that has four values at equal distances from 0 to 1.
+fn cubic_through(v: vec4f) -> vec4f {
+  return vec4f(
+    v.x,
+    -5.5 * v.x + 9.0 * v.y - 4.5 * v.z + v.w,
+    9.0 * v.x - 22.5 * v.y + 18.0 * v.z - 4.5 * v.w,
+    4.5 * (v.w - v.x) + 13.5 * (v.y - v.z),
+  );
 }
 
 fn cubic(c: vec4f, u: f32) -> f32 { return c.x + u * (c.y + u * (c.z + u * c.w)); }

@@ -2,7 +2,7 @@
 
 import generated::sizes::Values;
 import next::several::layer::{Knowns, know_all, know_all_empty};
-import package::sample::{Part, Sample};
+import package::sample::{Medium, Part, Sample};
 
 struct Place { nothing: f32 }
 
@@ -21,3 +21,8 @@ fn part_at(p_index: vec3f) -> Part { return Part(vec3f(1.0), 1.0); }
 fn know(here: Sample) -> Knowns { return know_all(here.value, here.p_world); }
 
 fn know_empty(here: Sample) -> Knowns { return know_all_empty(here.value, here.p_world); }
+
+// Of all layers at once no medium is known, nor a block that holds but one.
+fn medium(here: Sample) -> Medium { return Medium(vec3f(0.0), 0.0); }
+
+fn even_of(block: vec3f) -> f32 { return 0.0; }

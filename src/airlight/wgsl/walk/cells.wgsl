@@ -4,7 +4,7 @@
 import generated::sizes::{DRAWS_CAPS, LIGHTS_FACES};
 import package::blocks::{Run, least, pace_of, way_of};
 import package::ray::INFINITE;
-import package::refine::{rises_between, root_between};
+import package::refine::{Rise, beyond_between, may_rise, rise_of, root_of};
 import package::walk::{Ends, Fetched, Line, fetch, is_idle, run_behind, sample_of};
 import slot::integrate::{Accumulated, level};
 import slot::values::{is_gap, scalar_of, with_scalar};
@@ -32,35 +32,43 @@ fn walk_on(walk: ptr<function, Walk>, line: Line, acc: ptr<function, Accumulated
   let way = way_of(line.index.origin, line.index.direction);
   let pace = pace_of(line.index.direction);
   let across = select(vec3f(0.0), abs(pace.rate), pace.along);
-  var stops = false;
+  var rise: Rise;
   var rises = false;
   loop {
-    if (w.front.t_world >= w.run.end) {
-      let t_before = w.run.end;
-      w.run = run_behind(line, way, t_before);
-      if (w.run.begin > t_before || w.samples == 0.0) {
-        w.front = fetch(line, w.run.begin);
-        w.samples += 1.0;
-      }
-      let low = floor(line.index.origin + (w.run.begin + pace.beyond) * line.index.direction);
-      let face = low + select(vec3f(0.0), vec3f(1.0), pace.up);
-      w.faces = select(vec3f(INFINITE), (face - line.index.origin) * pace.rate, pace.along);
-    }
+    var beyond = vec4f(0.0);
     loop {
-      let end = min(max(least(w.faces), w.front.t_world), w.run.end);
-      w.next = fetch(line, end);
-      w.samples += 1.0;
-      rises = rises_between(line.index.origin, line.index.direction, near_of(w), far_of(w), iso) && !is_gap(w.front.value);
-      stops = rises || end >= line.leave || !is_idle(line, w.front, w.next);
+      if (w.front.t_world >= w.run.end) {
+        let t_before = w.run.end;
+        w.run = run_behind(line, way, t_before);
+        if (w.run.begin > t_before || w.samples == 0.0) {
+          w.front = fetch(line, w.run.begin);
+          w.samples += 1.0;
+        }
+        let low = floor(line.index.origin + (w.run.begin + pace.beyond) * line.index.direction);
+        let face = low + select(vec3f(0.0), vec3f(1.0), pace.up);
+        w.faces = select(vec3f(INFINITE), (face - line.index.origin) * pace.rate, pace.along);
+      }
+      var stops = false;
+      loop {
+        let end = min(max(least(w.faces), w.front.t_world), w.run.end);
+        w.next = fetch(line, end);
+        w.samples += 1.0;
+        w.faces += select(vec3f(0.0), across, w.faces <= vec3f(end));
+        beyond = beyond_between(line.index.origin, line.index.direction, near_of(w), far_of(w), iso);
+        stops = may_rise(beyond) || end >= line.leave || !is_idle(line, w.front, w.next);
+        if (stops) { break; }
+        w.front = w.next;
+        if (end >= w.run.end) { break; }
+      }
       if (stops) { break; }
-      w.front = w.next;
-      w.faces += select(vec3f(0.0), across, w.faces <= vec3f(end));
-      if (end >= w.run.end) { break; }
     }
-    if (stops) { break; }
+    rise = rise_of(beyond, w.front.t_world, w.next.t_world);
+    rises = rise.piece.y >= 0.0 && !is_gap(w.front.value);
+    if (rises || w.next.t_world >= line.leave || !is_idle(line, w.front, w.next)) { break; }
+    w.front = w.next;
   }
   if (rises) {
-    let root = root_between(line.index.origin, line.index.direction, near_of(w), far_of(w), iso);
+    let root = root_of(rise);
     let below = iso - max(abs(iso) * JUST_BELOW, LEAST);
     w.next = Fetched(with_scalar(w.next.value, select(below, iso, scalar_of(w.front.value) < iso)), root);
   }

@@ -1,8 +1,10 @@
 // Samples at equal distances from the eye.
 
-import generated::sizes::{ADAPTIVE, BLOCKS_KNOW_MORE, CURVED, HAS_CROSSINGS, LIT, SKIPS_BLOCKS};
+import generated::sizes::{ADAPTIVE, BLOCKS_KNOW_MORE, CROSSES_EVEN, CURVED, HAS_CROSSINGS, LIT, SKIPS_BLOCKS};
+import package::blocks::{just_behind, leaves, way_of};
 import package::curved::curved_value;
 import package::walk::{Ends, Fetched, Line, fetch, fetch_at, fetch_near, first_behind, is_hidden, is_idle, last_before, next_block};
+import slot::blocks::even_of;
 import slot::integrate::{Accumulated, through};
 import slot::values::is_gap;
 
@@ -60,6 +62,7 @@ fn walk_on(walk: ptr<function, Walk>, line: Line, acc: ptr<function, Accumulated
   if (ADAPTIVE) { w.pace = pace_at(through(*acc)); }
   loop {
     if (SKIPS_BLOCKS && w.leaps && leap(&w, line)) { break; }
+    if (CROSSES_EVEN && w.lands == 0u) { cross(&w, line); }
     var idle = false;
     var run = 0u;
     loop {
@@ -88,6 +91,32 @@ fn walk_on(walk: ptr<function, Walk>, line: Line, acc: ptr<function, Accumulated
     w.hid = true;
   }
   *walk = w;
+}
+
+// Through blocks of one medium to the last sample in them, and to the one before where values are put right for curvature, so that
+// none is by what lies outside.
+fn cross(walk: ptr<function, Walk>, line: Line) {
+  let before = select(0.0, (*walk).pace * line.spacing.step_world, CURVED);
+  let last = last_before(line, min(even_until(line, (*walk).front.t_world - before), line.leave));
+  let k = (*walk).pace * floor((last - select(0.0, 1.0, CURVED)) / (*walk).pace);
+  if (k > (*walk).k) {
+    (*walk).k = k;
+    if (CURVED) { (*walk).ahead = fetch_near(line, k); }
+    (*walk).samples += f32(CURVED);
+  }
+}
+
+// How far a ray stays in blocks of one medium, from a distance on. It keeps off their outer faces, where rounding may tell others.
+fn even_until(line: Line, t_world: f32) -> f32 {
+  let way = way_of(line.index.origin, line.index.direction);
+  var t = t_world - way.beyond;
+  loop {
+    let block = floor(way.origin + t * way.direction);
+    let reach = even_of(block);
+    if (reach == 0.0 || t >= line.leave) { break; }
+    t = just_behind(way, max(leaves(way, block, reach), t));
+  }
+  return t - 2.0 * way.beyond;
 }
 
 // Where slabs do not tell that a block is empty it is looked at once in a while.
