@@ -39,6 +39,7 @@ LOOKS: dict[str, dict[str, Any]] = {
 }
 MOST_OF_STRIPES = 1.5  # times as long as slices take
 DRIVERS = ("march", "slices", "shells", "object_slices", "interpolated_slices", "stripes")
+SHADOWING = ("march", "half_angle")  # by a shadow volume, made anew for each frame; by slices: errors are those of shadows.py
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -124,14 +125,15 @@ def rates(
 ) -> list[dict[str, Any]]:
     """Frames a second of each driver, in turns, and the error of one frame."""
     scene = turned(volume, function, look, size)
-    drivers = ("half_angle",) if look == "shadows" else DRIVERS
+    drivers = SHADOWING if look == "shadows" else DRIVERS
 
     def frames(driver: str, tone: str) -> Callable[[], al.Image]:
         numbers = itertools.count()
 
         def draw() -> al.Image:
             drawn = scene(next(numbers))
-            toned = replace(drawn.layers[0], look=al.Look(**LOOKS[look], tone=tone))
+            dimmed = {"visibility": "shadow_volume"} if look == "shadows" and driver == "march" else {}
+            toned = replace(drawn.layers[0], look=al.Look(**LOOKS[look], **dimmed, tone=tone))
             return renderer.render(replace(drawn, layers=(toned,)), size, step=options.step, driver=driver)
 
         return draw
