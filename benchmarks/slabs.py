@@ -51,7 +51,7 @@ def main(argv: list[str] | None = None) -> int:
     }
     print("\n" + "\n".join(f"{'PASS' if met else 'FAIL'}: {bar}" for bar, met in bars.items()))
     passed = all(bars.values())
-    write_json(options.out, machine() | {"quick": options.quick, "rows": rows, "edits": edits, "passes": passed})
+    write_json(options.out, machine() | {"quick": options.quick, "rows": rows, "edits": edits, "bars": bars})
     return 0 if passed or options.quick else 1
 
 

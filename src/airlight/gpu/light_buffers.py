@@ -36,7 +36,7 @@ def light_buffers(device: Device, size: int, texels: int) -> tuple[tuple[Any, An
 
     def view(name: str, shape: tuple[int, int, int], texel_format: str, use: int) -> Any:
         def made() -> Any:
-            dimension, use_all = "2d" if name != "planes" else "3d", use | usage.TEXTURE_BINDING
+            dimension, use_all = "3d" if name == "planes" else "2d", use | usage.TEXTURE_BINDING
             return device.gpu.create_texture(size=shape, dimension=dimension, format=texel_format, usage=use_all)
 
         return device.kept.get(("light", name, shape), made).create_view()

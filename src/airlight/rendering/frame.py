@@ -21,8 +21,8 @@ from ..gpu.textures import Progress
 from ..scene import Layer, Scene, check_scene
 from ..shader.program import Program
 from ..stage import SLOTS, Context, Stage, make_stage
-from ..stages.blocks import block_bounds, block_leaps, even_blocks
-from ..stages.driver import gains_from_curvature, sharpens_surfaces
+from ..stages.blocks import even_blocks
+from ..stages.driver import sharpens_surfaces
 from ..stages.passes import Pass
 from ..stages.transfer import Transfer
 from ..volume import statistics
@@ -34,7 +34,7 @@ from .half_angle import check_pictures
 from .hits import Hits, check_keeps, check_relights, check_same
 from .image import FloatImage, Image
 from .layers import checked_layers, context_of, layer_statistics, own_slots, read_layers
-from .march import MarchFrame, declares, draws_caps
+from .march import MarchFrame, draws_caps, with_blocks
 from .nearby import chosen_anchor, near_camera, shifted_lights
 from .outlines import check_outlines
 from .passes import check_bounds, check_reads
@@ -240,7 +240,7 @@ def prepare(device: Device, scene: Scene, request: Request, check: Callable[[], 
         for layer, context in zip(visible, contexts, strict=True)
     )
     stages = visible[0].look.stages()
-    if request.skip in ("auto", "blocks") and len(layers) == 1 and request.driver.name == "march":
+    if request.skip in ("auto", "blocks") and len(layers) == 1 and way_of(request.driver) is RAYS:
         asked = even_blocks({**stages, **layers[0].stages}, stages["integrate"], contexts[0], told_leaps(layers[0]))
         layers = (if_even(device, layers[0], asked),)
     if request.skip == "auto" and len(layers) == 1 and getattr(stages["integrate"], "skips_empty", False):
@@ -305,10 +305,4 @@ def drawn_layer(
         transfer = transfer.converging() if converges else transfer
         stages["transfer"] = transfer.sharpened() if sharpens else transfer
     drawn = DrawnLayer(stages, context, {slot: stage.resources(context) for slot, stage in stages.items()})
-    if not skips:
-        return drawn
-    integrate = layer.look.integrate
-    moves = gains_from_curvature({**stages, "integrate": integrate}) and not declares(stages["transfer"], "held")
-    told = {"leaps": block_leaps(stages, integrate, context, moves), "bounds": block_bounds(stages, integrate, context)}
-    asked = {name: resource for name, resource in told.items() if resource is not None}
-    return replace(drawn, resources={**drawn.resources, "field": {**drawn.resources["field"], **asked}})
+    return with_blocks(drawn, layer.look.integrate) if skips else drawn

@@ -42,7 +42,7 @@ from ..stages.view_rays import least_cosine
 from ..stages.visibility import NoOcclusion
 from ..volume import FloatArray
 from .light_views import MARGIN_TEXELS, clip_from_world, is_parallel, light_camera, picture_from_world, way_of
-from .march import Band, MarchFrame, bound_groups, looked_at, uploaded, written_clips
+from .march import Band, MarchFrame, bound_groups, looked_at, uploaded, with_blocks, written_clips
 from .nearby import near_camera, shifted
 from .proxies.pieces import Pieces, pieces_between
 from .proxies.polyhedra import Polyhedron, inflated
@@ -199,7 +199,9 @@ def sweep_of(frame: MarchFrame, driver: HalfAngle, lamp: Lamp) -> tuple[MarchFra
 def light_frame(frame: MarchFrame, lamp: Lamp, driver: HalfAngle) -> MarchFrame:
     """Frame of a light that sees what the eye sees: rays that find out what comes through."""
     size = (driver.light_size, driver.light_size)
-    camera = light_camera(lamp.given, frame.layers[0].context.camera, shown_in(frame), driver.light_size, lamp.number)
+    # The same light whatever is skipped.
+    known = replace(frame, layers=tuple(with_blocks(layer, frame.scene_stages["integrate"]) for layer in frame.layers))
+    camera = light_camera(lamp.given, frame.layers[0].context.camera, shown_in(known), driver.light_size, lamp.number)
     if isinstance(camera, Orthographic):
         eye, target = (shifted(point, frame.anchor_world) for point in (camera.eye, camera.target))
         near: Camera = replace(camera, eye=eye, target=target)

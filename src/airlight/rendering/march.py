@@ -34,6 +34,7 @@ from ..shader.program import (
 )
 from ..stage import Resource, Stage
 from ..stages import tone as tones
+from ..stages.blocks import block_bounds, block_leaps
 from ..stages.driver import gains_from_curvature
 from ..stages.driver_slices import SliceDriver
 from ..stages.field import Linear, LinearExact
@@ -192,6 +193,7 @@ def switches_of(frame: MarchFrame) -> Switches:
     """What the stages and the data say of each other, and a driver can make use of."""
     integrate = frame.scene_stages["integrate"]
     classifies = bool(getattr(integrate, "classifies", True))
+    lit = any(layer.stages["lighting"].name != "unlit" for layer in frame.layers)
     leaps = [told_leaps(layer) for layer in frame.layers]
     has_stretches = any(has_empty(layer) and not layer.is_full for layer in frame.layers) or any(leaps)
     skips_empty = bool(getattr(integrate, "skips_empty", False)) and frame.skip != "none" and has_stretches
@@ -210,15 +212,24 @@ def switches_of(frame: MarchFrame) -> Switches:
         walks_blocks=walks_blocks(frame),
         walks_cells=walks_blocks(frame) and is_exact(frame) and bool(getattr(integrate, "surfaces_only", False)),
         has_crossings=classifies and any(offers_crossings(layer) for layer in frame.layers),
-        lights_faces=bool(frame.clips) and any(layer.stages["lighting"].name != "unlit" for layer in frame.layers),
+        lights_faces=bool(frame.clips) and lit,
         draws_caps=draws_caps(frame),
         adaptive=is_adaptive(frame),
-        lit=classifies and any(layer.stages["lighting"].name != "unlit" for layer in frame.layers),
+        lit=classifies and lit,
         crosses_even=any(layer.is_even for layer in frame.layers),
         in_parts=isinstance(frame.scene_stages["driver"], SliceDriver),
         cuts_at_covers=frame.covers.cut_slabs,
         cuts_layers=len(frame.clip_groups) > 1,
     )
+
+
+def with_blocks(layer: DrawnLayer, integrate: Stage) -> DrawnLayer:
+    """Return a layer whose field is asked, too, in which blocks nothing is to be seen, where its stages tell."""
+    stages, context = layer.stages, layer.context
+    moves = gains_from_curvature({**stages, "integrate": integrate}) and not declares(stages["transfer"], "held")
+    told = {"leaps": block_leaps(stages, integrate, context, moves), "bounds": block_bounds(stages, integrate, context)}
+    asked = {name: resource for name, resource in told.items() if resource is not None}
+    return replace(layer, resources={**layer.resources, "field": {**layer.resources["field"], **asked}})
 
 
 def offers_crossings(layer: DrawnLayer) -> bool:

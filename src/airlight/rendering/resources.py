@@ -339,9 +339,10 @@ def if_even(device: Device, layer: DrawnLayer, asked: BlockLeaps | None) -> Draw
     """Return the layer with what is asked for slabs through even blocks, where there are many."""
     if asked is None:
         return layer
-    told = replace(layer, resources={**layer.resources, "field": {**layer.resources["field"], "leaps": asked}}, is_even=True)
-    is_full = "leaps" not in layer.resources["field"]
-    return replace(told, is_full=is_full) if layer_leaps(device, told).even else layer
+    told = replace(layer, resources={**layer.resources, "field": {**layer.resources["field"], "leaps": asked}})
+    is_even, skips = layer_leaps(device, told).even > 0, "leaps" in layer.resources["field"]
+    # Leaps that were made to look for even blocks are those of a layer without, too.
+    return replace(told, is_even=is_even, is_full=not skips) if is_even or skips else layer
 
 
 def _alone_key(device: Device, alone: DrawnLayer, root: str, output: str, extra: tuple[str, ...]) -> ProgramKey:
