@@ -37,7 +37,7 @@ def compare(renderer, drawn, step=1.0, strays=0.0, **driver) -> None:
 
 
 @pytest.mark.parametrize("camera", ["perspective", "orthographic", "inside", "cut"])
-@pytest.mark.parametrize("refine", REFINES)
+@pytest.mark.parametrize("refine", [*REFINES, "cells"])
 def test_parity(either_renderer, refine, camera):
     compare(either_renderer, at(70.0, camera=camera), step=2.5, refine=refine, strays=0.002)
 
@@ -52,7 +52,7 @@ def test_parity_with_empty_samples(any_renderer):
     holed = blobs().array.copy()
     holed[10:25, 12:20, 8:22] = np.nan
     volume = al.Volume(holed, world_from_index=blobs().world_from_index)
-    for refine in ("secant", "exact"):
+    for refine in ("secant", "exact", "cells"):
         compare(any_renderer, at(60.0, volume), step=1.5, refine=refine, strays=0.01)
 
 
@@ -143,6 +143,32 @@ def test_roots_of_cubics_are_for_trilinear_fields(renderer):
         renderer.render(at(60.0, field="nearest"), SIZE, driver=al.driver.March(refine="exact"))
 
 
+def test_all_cells_are_those_of_blocks(renderer):
+    drawn = at(60.0)
+    with pytest.raises(StageError, match="looks through blocks"):
+        renderer.render(drawn, SIZE, driver=al.driver.March(refine="cells", blocks=False))
+    twice = al.Scene(layers=[drawn.layers[0], drawn.layers[0]], camera=drawn.camera, lights=drawn.lights)
+    with pytest.raises(StageError, match="use exact"):
+        renderer.render(twice, SIZE, driver=al.driver.March(refine="cells"))
+
+
+def test_exact_roots_are_those_of_the_field(renderer):
+    """Every hit is a root of the trilinear field, of whatever sheet; halving leaves more of the way at steps of five voxels."""
+    noise = al.Volume(np.random.default_rng(4).random((12, 13, 14)).astype(np.float32), spacing=(1.0, 1.2, 0.9))
+    drawn = at(0.8, noise, "orthographic", shade="none")
+    setup = reference.prepare(drawn)
+    worst = {}
+    for refine in ("bisection", "exact"):
+        depth = renderer.render(drawn, SIZE, step=5.0, driver=al.driver.March(refine=refine)).depth
+        y, x = np.nonzero(np.isfinite(depth))
+        origin, direction = CAMERAS["orthographic"](drawn.camera, SIZE, x, y)
+        inside = depth[y, x] > span(setup, origin, direction)[0] + 1e-3
+        value, _ = field_value(setup, setup.index_of(origin + depth[y, x, None].astype(float) * direction))
+        assert inside.sum() > 200
+        worst[refine] = np.abs(value - 0.8)[inside].max()
+    assert worst["exact"] < 2e-5 < 1e-4 < worst["bisection"]
+
+
 def test_another_iso_value_is_another_surface(renderer):
     """Leaps follow the value that is looked for, on one volume."""
     found = [np.isfinite(renderer.render(at(iso), SIZE).depth).sum() for iso in (50.0, 90.0, 50.0, 70.0)]
@@ -192,7 +218,7 @@ def test_refinements_of_a_parabola(renderer):
 
 
 def test_the_first_of_several_roots_in_a_step(renderer):
-    """Two sheets within one step: the exact root is that of the first."""
+    """Two sheets within one step: where all cells are looked through the root is that of the first."""
     values = np.zeros(40)
     values[[14, 17]] = 10.0
     values[18:] = 10.0
@@ -203,8 +229,7 @@ def test_the_first_of_several_roots_in_a_step(renderer):
         camera=straight(volume),
         look=al.Look(integrate=al.integrate.FirstHit(iso=5.0), shade="none", field="linear_exact"),
     )
-    driver = al.driver.March(refine="exact", blocks=False)
-    image = renderer.render(drawn, (1, 1), step=10.0, driver=driver)
+    image = renderer.render(drawn, (1, 1), step=10.0, driver=al.driver.March(refine="cells"))
     assert image.depth[0, 0] == pytest.approx(113.5, abs=1e-3)
 
 
@@ -225,28 +250,28 @@ def first_roots(drawn: al.Scene) -> np.ndarray:
 
 
 @pytest.mark.parametrize("camera", ["perspective", "orthographic"])
-def test_exact_roots_leave_out_no_sheet(renderer, camera):
+def test_cells_leave_out_no_sheet(renderer, camera):
     """Noise from voxel to voxel, whose peaks between samples are met for less than a voxel, at steps of five voxels."""
     noise = al.Volume(np.random.default_rng(4).random((12, 13, 14)).astype(np.float32), spacing=(1.0, 1.2, 0.9))
     drawn = at(0.8, noise, camera, shade="none")
     truth = first_roots(drawn)
     known = np.isfinite(truth)
-    depths = {r: renderer.render(drawn, SIZE, step=5.0, driver=al.driver.March(refine=r)).depth for r in ("bisection", "exact")}
+    depths = {r: renderer.render(drawn, SIZE, step=5.0, driver=al.driver.March(refine=r)).depth for r in ("bisection", "cells")}
     wrong = {r: (np.abs(np.where(np.isfinite(d), d, 1e9) - truth) > 0.02)[known].mean() for r, d in depths.items()}
     assert known.mean() > 0.1
     assert wrong["bisection"] > 0.1
-    assert wrong["exact"] < 2e-3  # what is met for less than a hundredth of a voxel is not in the truth
-    compare(renderer, drawn, step=5.0, refine="exact", strays=0.004)
+    assert wrong["cells"] < 2e-3  # what is met for less than a hundredth of a voxel is not in the truth
+    compare(renderer, drawn, step=5.0, refine="cells", strays=0.004)
 
 
-def test_exact_roots_beside_empty_samples(renderer):
+def test_cells_beside_empty_samples(renderer):
     """What is empty counts as what lies before the surface, also within the cell where it begins."""
     rng = np.random.default_rng(3)
     noise = rng.random((12, 13, 14)).astype(np.float32)
     noise[rng.random(noise.shape) < 0.15] = np.nan
     drawn = at(0.8, al.Volume(noise, spacing=(1.0, 1.2, 0.9)), "orthographic", shade="none")
-    image = renderer.render(drawn, SIZE, driver=al.driver.March(refine="exact"))
-    truth = reference.render(drawn, SIZE, refine="exact")
+    image = renderer.render(drawn, SIZE, driver=al.driver.March(refine="cells"))
+    truth = reference.render(drawn, SIZE, refine="cells")
     assert np.isfinite(truth.depth).sum() > 400
     assert (np.abs(image.rgba - truth.rgba).max(axis=-1) > 1 / 255).sum() <= 1
 

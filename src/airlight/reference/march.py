@@ -89,9 +89,9 @@ def march(
         faces = lit_faces(setup, sample(np.arange(len(origin)), piece.begin), piece.near, -direction)
 
         while rays.size:
-            # Go to the next sample of the lattice, of a block (for exact roots to the next cell), or to where it leaves.
+            # Go to the next sample of the lattice, of a block (or to the next cell), or to where it leaves.
             t_lattice = t_next = (k[rays] + shift[rays]) * step[rays]
-            by_cells = integrate.has_surface and blocks and refine == "exact"
+            by_cells = integrate.has_surface and blocks and refine == "cells"
             if by_cells:
                 t_next = next_stop(line[0][rays], line[1][rays], t_enter[rays], front.t_world, voxels=1)
             elif by_blocks:

@@ -1,4 +1,4 @@
-"""Where a ray meets a surface of equal value between two samples: by halving, by straight lines, or the exact root.
+"""Where a ray meets a surface of equal value between two samples: by halving, by straight lines, or the root of a cell's cubic.
 
 ``field(rows, t_world) -> values (n,)`` gives the field along some of the rays, NaN where it is empty, which counts as what lies
 before the surface.
@@ -17,7 +17,8 @@ Along = Callable[[IntArray, FloatArray], FloatArray]
 
 HALVINGS = 6  # Scharsach, section 4: a bracket 64 times narrower
 LINES = 2
-NARROW_VOXELS = 0.05  # bends of the field are voxels apart: of a bracket through which lines are laid
+# A voxel apart are the bends of the field, and faces of cells; what is within one cell needs no halving.
+NARROW_VOXELS = {"bisection": 0.0, "secant": 0.05, "exact": 1.0, "cells": np.inf}
 MOST_HALVINGS = 20
 NODES = np.array([0, 1 / 3, 2 / 3, 1])
 
@@ -34,12 +35,10 @@ def refined(
     """Distances (n,) at which values pass ``level``, between samples at ``ends`` (n, 2) with ``values`` (n, 2) on either side.
 
     ``line``: origins and directions (n, 3) of the rays in index coordinates. ``bisection`` halves six times and draws a
-    straight line through what is left; ``secant`` halves down to ``NARROW_VOXELS`` and lays two more lines; ``exact`` takes
-    the first root of the trilinear field.
+    straight line through what is left; ``secant`` halves down to a twentieth of a voxel and lays two more lines; ``exact``
+    halves to a voxel, and takes the root in the first cell there at whose end the value is beyond the level; ``cells`` is that
+    within one cell.
     """
-    if method == "exact":
-        roots = crossings(field, line, ends, level, np.where(values[:, 1] >= level, 1.0, -1.0))
-        return np.where(np.isfinite(roots), roots, ends[:, 1])
     ends, values = ends.copy(), values.copy()
     beyond, nothing = values[:, 1] >= level, values[:, 0].copy()
 
@@ -49,12 +48,17 @@ def refined(
         side = np.where((value >= level) == beyond[rows], 1, 0)
         ends[rows, side], values[rows, side] = t_world, value
 
-    has_lines = method == "secant"
-    narrowest = has_lines * NARROW_VOXELS / np.linalg.norm(line[1], axis=1)
-    for _ in range(MOST_HALVINGS if has_lines else HALVINGS):
+    narrowest = NARROW_VOXELS[method] / np.linalg.norm(line[1], axis=1)
+    for _ in range(HALVINGS if method == "bisection" else MOST_HALVINGS):
         wide = np.nonzero(ends[:, 1] - ends[:, 0] > narrowest)[0]
         narrow(wide, ends[wide].mean(axis=1))
-    for _ in range(LINES * has_lines):
+    if method in ("exact", "cells"):
+        for t_world in np.sort(_faces(*line, ends), axis=1).T:
+            within = np.nonzero((t_world > ends[:, 0]) & (t_world < ends[:, 1]))[0]
+            narrow(within, t_world[within])
+        roots = crossings(field, line, ends, level, np.where(beyond, 1.0, -1.0))
+        return np.where(np.isfinite(roots), roots, ends[:, 1])
+    for _ in range(LINES * (method == "secant")):
         narrow(np.arange(len(ends)), straight(ends, values, level))
     return straight(ends, values, level)
 

@@ -210,7 +210,7 @@ def switches_of(frame: MarchFrame) -> Switches:
         blocks_know_more=know_more,
         hides=know_more or any(declares(layer.stages["region"], "hidden_at") for layer in frame.layers),
         walks_blocks=walks_blocks(frame),
-        walks_cells=walks_blocks(frame) and is_exact(frame) and bool(getattr(integrate, "surfaces_only", False)),
+        walks_cells=walks_blocks(frame) and refine_of(frame) == "cells",
         has_crossings=classifies and any(offers_crossings(layer) for layer in frame.layers),
         lights_faces=bool(frame.clips) and lit,
         draws_caps=draws_caps(frame),
@@ -277,24 +277,29 @@ def walks_blocks(frame: MarchFrame) -> bool:
     return are_cut or bool(getattr(integrate, "surfaces_only", False))
 
 
-def is_exact(frame: MarchFrame) -> bool:
-    """Whether surfaces are the roots of cubics, of which none is left out."""
-    return bool(getattr(frame.scene_stages["driver"], "refine", "none") == "exact")
+def refine_of(frame: MarchFrame) -> str:
+    """Return how the driver sharpens the places of surfaces."""
+    return str(getattr(frame.scene_stages["driver"], "refine", "none"))
 
 
 def check_refines(frame: MarchFrame) -> None:
-    """Refuse the roots of cubics where the field is no cubic along a ray.
+    """Refuse roots of cubics where the field is no cubic along a ray, and those of all cells where rays go from step to step.
 
     Raises
     ------
     StageError
-        For fields that are not trilinear.
+        For ``exact`` and ``cells`` where fields are not trilinear; for ``cells`` but for the first hit of one volume in blocks.
     """
-    switches = frame.once(switches_of)
-    exact = is_exact(frame)
+    switches, refine = frame.once(switches_of), refine_of(frame)
+    if refine not in ("exact", "cells") or not (switches.surfaces_only or switches.has_crossings):
+        return
+    where = f'driver.refine "{refine}"'
     for layer in frame.layers:
-        if exact and (switches.surfaces_only or switches.has_crossings) and not isinstance(layer.field, TRILINEAR):
-            raise StageError('driver.refine "exact"', f"is for trilinear fields, and {layer.field.name} is none", "use secant")
+        if not isinstance(layer.field, TRILINEAR):
+            raise StageError(where, f"is for trilinear fields, and {layer.field.name} is none", "use secant")
+    if refine == "cells" and not (switches.surfaces_only and switches.walks_blocks):
+        what = "looks through blocks for the first hit of one volume, and here rays go from step to step"
+        raise StageError(where, what, "use exact, or first_hit with blocks=True")
 
 
 def march_program(frame: MarchFrame) -> Program:

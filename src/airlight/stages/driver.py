@@ -17,6 +17,8 @@ from .offsets import INTERLEAVED, NONE, blue_noise, blue_noise_texels, fraction_
 MOST_MESH_LAYERS = 32
 MOST_CLIP_LAYERS = 64
 MOST_SHIFT = 1 << 24
+REFINES = ("none", "bisection", "secant", "exact")
+REFINE_HELP = "how the place of a surface between two samples is sharpened"
 
 
 @dataclass(frozen=True)
@@ -32,11 +34,7 @@ class Driver(Stage):
 
     slot: ClassVar[str] = "driver"
     curved: bool = static(True, help="put values right for the field's curvature where slabs of a smooth field are integrated")
-    refine: str = static(
-        "bisection",
-        choices=("none", "bisection", "secant", "exact"),
-        help="how the place of a surface between two samples is sharpened",
-    )
+    refine: str = static("bisection", choices=REFINES, help=REFINE_HELP)
     mesh_layers: int = value(
         4, at_least=1, up_to=MOST_MESH_LAYERS, help="most semi-transparent layers of meshes that a ray meets, the nearest ones"
     )
@@ -63,6 +61,9 @@ class March(Driver):
     name: ClassVar[str] = "march"
     wgsl: ClassVar[str] = "march.wgsl"
     uniform_type: ClassVar[type] = OffsetUniforms
+    refine: str = static(
+        "bisection", choices=(*REFINES, "cells"), help=f"{REFINE_HELP}; cells: the first root of all cells, none is left out"
+    )
     offsets: str = static(
         "none", choices=("none", "interleaved", "blue_noise"), help="shift of the samples along each ray, from pixel to pixel"
     )

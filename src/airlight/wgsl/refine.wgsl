@@ -1,6 +1,6 @@
 // Where between two samples a ray meets a surface of equal value, sharper than by a straight line: halving (Scharsach, section
-// 4: six steps leave a 64th), halving to a share of a voxel and then straight lines, or the roots of the cubics that a trilinear
-// field is along a ray.
+// 4: six steps leave a 64th), halving to a share of a voxel and then straight lines, or the root of the cubic that a trilinear
+// field is along a ray in the cell where the surface is.
 
 import generated::driver::REFINE;
 import generated::sizes::HAS_EMPTY;
@@ -23,18 +23,19 @@ struct Search { origin_index: vec3f, direction_index: vec3f, level: f32, nothing
 // The distance at which the value passes the level. `near` and `far` are distances [world] and values on either side of it.
 fn refined(origin_index: vec3f, direction_index: vec3f, near: vec2f, far: vec2f, level: f32) -> f32 {
   let search = Search(origin_index, direction_index, level, near.y);
-  if (REFINE == EXACT) { return first_root(search, near, far); }
   var bracket = vec4f(near, far);
-  // Lines meet bends of the field, which are voxels apart, better in a narrow bracket, however long the step.
+  // Lines meet bends of the field, which are voxels apart, better in a narrow bracket, however long the step; cells are few there.
   var narrow = 0.0;
   if (REFINE == SECANT) { narrow = NARROW_VOXELS / length(direction_index); }
-  for (var i = 0u; i < select(HALVINGS, MOST_HALVINGS, REFINE == SECANT); i++) {
+  if (REFINE == EXACT) { narrow = 1.0 / length(direction_index); }
+  for (var i = 0u; i < select(MOST_HALVINGS, HALVINGS, REFINE == BISECTION); i++) {
     if (bracket.z - bracket.x <= narrow) { break; }
     bracket = narrowed(search, bracket, 0.5 * (bracket.x + bracket.z));
   }
   if (REFINE == SECANT) {
     for (var i = 0u; i < LINES; i++) { bracket = narrowed(search, bracket, straight(bracket, level)); }
   }
+  if (REFINE == EXACT) { return root_between(search, bracket); }
   return straight(bracket, level);
 }
 
@@ -56,10 +57,26 @@ fn straight(bracket: vec4f, level: f32) -> f32 {
   return mix(bracket.x, bracket.z, saturate((level - bracket.y) / select(rise, 1.0, rise == 0.0)));
 }
 
-// The first root, at the end where rounding hides it.
-fn first_root(search: Search, near: vec2f, far: vec2f) -> f32 {
-  var rise = first_rise(search, near, far.x);
-  rise.piece.y = select(1.0, rise.piece.y, rise.piece.y >= 0.0);
+// The root in the first cell of a bracket at whose end the value is beyond the level; where rounding hides it, that end.
+fn root_between(search: Search, bracket: vec4f) -> f32 {
+  let origin = search.origin_index;
+  let direction = search.direction_index;
+  let p = origin + bracket.x * direction;
+  let along = abs(direction) < vec3f(1e-30);
+  var face = select(ceil(p) - 1.0, floor(p) + 1.0, direction > vec3f(0.0));
+  var cell = bracket;
+  loop {
+    let t_faces = select((face - origin) / direction, vec3f(INFINITE), along);
+    cell.z = clamp(min(t_faces.x, min(t_faces.y, t_faces.z)), cell.x, bracket.z);
+    cell.w = scalar_along(search, cell.z);
+    if (cell.z >= bracket.z || (cell.w >= search.level) == (bracket.w >= search.level)) { break; }
+    face += select(vec3f(0.0), sign(direction), t_faces <= vec3f(cell.z));
+    cell = vec4f(cell.zw, cell.zw);
+  }
+  let side = front_side(search);
+  let beyond = beyond_along(search, side, cell.x, side * (cell.y - search.level), cell.z, side * (cell.w - search.level));
+  var rise = rise_of(beyond, cell.x, cell.z);
+  rise.piece = select(vec2f(1.0), rise.piece, rise.piece.y >= 0.0);
   return root_of(rise);
 }
 
@@ -93,37 +110,9 @@ fn rise_of(beyond: vec4f, begin: f32, end: f32) -> Rise {
 
 fn front_side(search: Search) -> f32 { return select(1.0, -1.0, search.nothing >= search.level); }
 
-// Where the field first passes to the other side of the level, or the last cell: distances [world] at which the ray enters and
-// leaves the cell, the cubic there (negative on the side of the front), and its piece as of `rising_piece`.
+// Where the field passes to the other side of the level: distances [world] at which the ray enters and leaves the cell, the cubic
+// there (negative on the side of the front), and its piece as of `rising_piece`.
 struct Rise { c: vec4f, piece: vec2f, begin: f32, end: f32 }
-
-// Cell by cell: four values tell the cubic of each.
-fn first_rise(search: Search, near: vec2f, t_far: f32) -> Rise {
-  let origin = search.origin_index;
-  let direction = search.direction_index;
-  let forward = direction > vec3f(0.0);
-  let along = abs(direction) < vec3f(1e-30);
-  let p = origin + near.x * direction;
-  var face = select(ceil(p) - 1.0, floor(p) + 1.0, forward);
-  let side = front_side(search);
-  var t = near.x;
-  var y = side * (near.y - search.level);
-  var c = vec4f(0.0);
-  var piece = vec2f(0.0, 1.0);
-  var end = t_far;
-  loop {
-    let t_faces = select((face - origin) / direction, vec3f(INFINITE), along);
-    end = clamp(min(t_faces.x, min(t_faces.y, t_faces.z)), t, t_far);
-    face += select(vec3f(0.0), sign(direction), t_faces <= vec3f(end));
-    let z = side * (scalar_along(search, end) - search.level);
-    c = cubic_through(beyond_along(search, side, t, y, end, z));
-    piece = rising_piece(c);
-    if (piece.y >= 0.0 || end >= t_far) { break; }
-    t = end;
-    y = z;
-  }
-  return Rise(c, piece, t, end);
-}
 
 fn beyond_along(search: Search, side: f32, begin: f32, y: f32, end: f32, z: f32) -> vec4f {
   let a = side * (scalar_along(search, mix(begin, end, 1.0 / 3.0)) - search.level);
