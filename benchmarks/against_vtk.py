@@ -24,9 +24,21 @@ STEPS = (2.0, 1.0, 0.5)
 SURFACE_STEPS = (5.0, 1.0, 0.25)
 BONE_HU, IVORY = 300.0, (0.9, 0.8, 0.65)
 CONVERGED_STEP = 1 / 8
-OURS: dict[str, dict[str, Any]] = {"airlight, pre-integrated": {}, "airlight, post-classified": {"transfer": "postclassified"}}
-# Light at both ends of slabs, gradients kept in a texture: what Lum, Wilson and Ma draw.
-LIT = {"airlight, gradients kept, interpolated": {"gradient": "precomputed", "lighting": "interpolated"}}
+GPU_MAPPER = "VTK GPU mapper"
+TINY = 1e-12
+ADAPTIVE = {"driver": al.driver.March(adaptive=True)}
+OURS: dict[str, dict[str, Any]] = {
+    "airlight, pre-integrated": {},
+    "airlight, post-classified": {"transfer": "postclassified"},
+    "airlight, post-classified, adaptive": {"transfer": "postclassified", **ADAPTIVE},
+}
+# Gradients kept in a texture; light at both ends of slabs (Lum, Wilson and Ma), or at two places in them.
+KEPT = {"gradient": "precomputed"}
+LIT: dict[str, dict[str, Any]] = {
+    "airlight, gradients kept, interpolated": {"lighting": "interpolated", **KEPT},
+    "airlight, gradients kept, supersampled": {"lighting": "supersampled", **KEPT},
+    "airlight, gradients kept, supersampled, adaptive": {"lighting": "supersampled", **KEPT, **ADAPTIVE},
+}
 SURFACES: dict[str, dict[str, Any]] = {
     f"airlight, {refine}": {"driver": al.driver.March(refine=refine)} for refine in ("bisection", "exact")
 }
@@ -53,11 +65,15 @@ def main(argv: list[str] | None = None) -> int:
             rows += found
             checks += check
             print(table([shown(row, options.clock) for row in found]) + "\n", flush=True)
+    faster = [at_equal_error(rows, name, options.clock) for name in dict.fromkeys(row["scene"] for row in rows)]
+    print("Times faster than VTK's GPU mapper at the error that it has at a step, each against its own picture at 1/8 voxel:\n")
+    print("\n\n".join(table(of_scene) for of_scene in faster) + "\n")
     print("Do they show the same thing? Against airlight's picture at 1/8 voxel:\n")
     print(table(checks))
     # With light the models differ by more than a shift of half a pixel changes; the view is the same as without.
     alike = all(check["same view"] for check in checks if "unshaded" in check["scene"])
     results = {"quick": options.quick, "size": options.size, "clock": options.clock, "rows": rows, "checks": checks}
+    results["times_faster"] = [row for of_scene in faster for row in of_scene]
     write_json(options.out, machine() | {"adapter": adapter} | results)
     return 0 if alike or options.quick else 1
 
@@ -126,6 +142,28 @@ def ours(renderer: al.Renderer, scene: al.Scene, size: tuple[int, int], driver: 
     look = al.Look(shade=layer.look.shade, integrate=layer.look.integrate, **stages)
     staged = al.Scene(layer.volume, transfer=layer.transfer, camera=scene.camera, look=look, lights=scene.lights)
     return lambda step: renderer.render(staged, size, step=step, driver=driver).rgb
+
+
+def at_equal_error(rows: list[dict[str, Any]], scene: str, clock: str) -> list[dict[str, Any]]:
+    """How many times faster each of our ways is than VTK's GPU mapper, at each of the steps that it took.
+
+    Our times lie between steps on straight lines of the logarithms of error and time; where even the largest step has less
+    error, its time counts. None where the smallest step has more.
+    """
+    of_scene = [row for row in rows if row["scene"] == scene]
+    theirs = [row for row in of_scene if row["renderer"] == GPU_MAPPER]
+    found = []
+    for way in dict.fromkeys(row["renderer"] for row in of_scene if "airlight" in row["renderer"]):
+        taken = [row for row in of_scene if row["renderer"] == way]
+        known = sorted((max(row["own"]["rmse"], TINY), row[f"{clock}_ms"]["median"]) for row in taken)
+        error, ms = np.log(np.array(known)).T
+        speeds = {}
+        for row in theirs:
+            asked = np.log(max(row["own"]["rmse"], TINY))
+            speed = row[f"{clock}_ms"]["median"] / float(np.exp(np.interp(asked, error, ms)))
+            speeds[f"step {row['step']:g}"] = speed if asked >= error[0] else None
+        found.append({"scene": scene, "renderer": way} | speeds)
+    return found
 
 
 def some_pixels(picture: Any, count: int) -> Any:
