@@ -2,9 +2,10 @@
 
 The rows of Vollrath, Weiskopf and Ertl (2005, section 6: a GeForce 6800): post-classified 12.5, pre-integrated 7.5, lit with
 interpolated pre-integrated lighting 3.2, with shadows 2.7 frames a second, tone mapping one frame less. The camera turns by a
-degree from frame to frame; for shadows the light turns as well. Bars: the quickest driver reaches each rate, slice drivers half
-of it, and with tones one frame less of it; ``slices`` reach 70 % of the rate of a bare blended stack of the same size
-(``bare_stack.py``) where nothing is skipped and no ray ends early; ``stripes`` take at most 1.5 times as long as ``slices``.
+degree from frame to frame; for shadows the light turns as well. Bars, with the function bone: the quickest driver of each row
+reaches its rate, and with tones one frame less of it; slice drivers half of it; ``slices`` reach 70 % of the rate of a bare
+blended stack of the same size (``bare_stack.py``) where nothing is skipped and no ray ends early; ``stripes`` take at most 1.5
+times as long as ``slices``. What tones cost the other drivers stands beside it, and no bar asks for it.
 Errors are those of one frame against the same look at 1/8 voxel.
 """
 
@@ -50,14 +51,16 @@ def main(argv: list[str] | None = None) -> int:
     size = (64, 48) if options.quick else (640, 480)
     volume = head_volume(24 if options.quick else VOXELS)
     about: dict[str, Any] = {"quick": options.quick, "size": size, "voxels": volume.size, "step": options.step}
-    rows, passes = [], True
+    rows, bars = [], []
     with al.Renderer(options.device) as renderer:
         for (name, made), look in itertools.product(FUNCTIONS.items(), options.looks):
             found = rates(renderer, volume, made(), look, size, options)
             rows += [{"function": name, "picture": look} | row for row in found]
             if name == "bone":
-                passes &= reached(found, BARS[look])
+                bars += [{"picture": look} | bar for bar in judged(found, BARS[look])]
     print(table(rows))
+    print("\n" + table(bars))
+    passes = all(bar["passes"] for bar in bars)
     device = open_device(options.device)
     try:
         about |= machine(device)
@@ -67,17 +70,27 @@ def main(argv: list[str] | None = None) -> int:
     print("\n" + table([bare]))
     passes &= bare["slices of the bare rate"] >= 0.7
     print(f"\n{'PASS' if passes else 'FAIL'}: the rates with the function bone, and 70 % of the bare stack")
-    write_json(options.out, about | {"rows": rows, "bare": bare, "passes": passes})
+    write_json(options.out, about | {"rows": rows, "bars": bars, "bare": bare, "passes": passes})
     return 0 if passes or options.quick else 1
 
 
-def reached(rows: list[dict[str, Any]], bar: float) -> bool:
-    """Whether drivers of one kind of picture reach its rate in frames a second, one less with tones, and stripes theirs."""
+def judged(rows: list[dict[str, Any]], rate: float) -> list[dict[str, Any]]:
+    """Bars of one kind of picture whose rate [frames/s] is to be reached: whom they judge, what is asked, what was found."""
+    quickest = max(rows, key=lambda row: row["frames/s"])
+    slowest = min((row for row in rows if row["driver"] != "march"), key=lambda row: row["frames/s"])
+    found = [
+        ("quickest", quickest, rate, quickest["frames/s"]),
+        ("quickest, with tones", quickest, min(quickest["frames/s"], rate) - 1, quickest["with tones"]),
+        ("slowest slices", slowest, rate / 2, slowest["frames/s"]),
+    ]
     ms = {row["driver"]: row["ms"] for row in rows}
-    enough = max(row["frames/s"] for row in rows) >= bar
-    enough &= all(row["frames/s"] >= bar / 2 for row in rows if row["driver"] != "march")
-    enough &= all(row["with tones"] >= min(row["frames/s"], bar) - 1 for row in rows)
-    return enough and ("stripes" not in ms or ms["stripes"] <= MOST_OF_STRIPES * ms["slices"])
+    if "stripes" in ms:
+        stripes = next(row for row in rows if row["driver"] == "stripes")
+        found.append(("stripes, as slices are", stripes, 1 / MOST_OF_STRIPES, ms["slices"] / ms["stripes"]))
+    return [
+        {"bar": bar, "driver": row["driver"], "asked": round(asked, 2), "found": round(got, 2), "passes": got >= asked}
+        for bar, row, asked, got in found
+    ]
 
 
 def head_volume(voxels: int) -> al.Volume:
@@ -150,6 +163,7 @@ def rates(
                 "ms": round(1e3 / rate[driver, "linear"], 1),
                 "frames/s": round(rate[driver, "linear"], 2),
                 "with tones": round(rate[driver, "reinhard"], 2),
+                "tones cost": round(rate[driver, "linear"] - rate[driver, "reinhard"], 2),
                 "rmse": "-" if truth is None else f"{errors(first.rgba, truth)['rmse']:.4f}",
                 "samples": first.stats["samples"],
             }

@@ -211,3 +211,15 @@ def test_viewer(benchmark_named, tmp_path):
     assert bars["dragging: least scale"] >= 0.5
     assert bars["dragging: greatest step [voxels]"] <= 2
     assert bars["dragging: PSNR of a moving picture, least [dB]"] > 20
+
+
+def test_the_quickest_driver_of_a_row_is_judged(fresh_benchmark):
+    """Tones may cost the others more than a frame; slices are held to half of the rate."""
+    rows = [
+        {"driver": "march", "ms": 50, "frames/s": 20.0, "with tones": 12.0},
+        {"driver": "slices", "ms": 100, "frames/s": 10.0, "with tones": 1.0},
+    ]
+    judged = fresh_benchmark("frame_rates").judged
+    assert [(bar["driver"], bar["passes"]) for bar in judged(rows, 12.5)] == [("march", True)] * 2 + [("slices", True)]
+    assert [bar["passes"] for bar in judged(rows, 13.5)] == [True, False, True]
+    assert [bar["passes"] for bar in judged(rows, 21.0)] == [False, False, False]

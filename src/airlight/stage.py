@@ -161,7 +161,8 @@ class Grid:
 class Stack(Grid):
     """The same samples as layers of 2-D textures along an axis of the grid: 0 is x, 1 y, 2 z; WGSL: ``package::field::layers``.
 
-    Layers are planes of the other two axes, in rising order. Groups of four channels lie one behind the other.
+    Layers are planes of the other two axes, in rising order. Groups of four channels lie one behind the other. Coarser levels
+    have fewer layers, the first of the array, and end where a layer is a single sample.
     """
 
     axis: int = 2
@@ -169,7 +170,7 @@ class Stack(Grid):
     @property
     def solid(self) -> Grid:
         """The grid without regard to how its samples lie."""
-        return Grid(self.volume, self.channels, self.time, self.filtered, self.masked)
+        return Grid(self.volume, self.channels, self.time, self.filtered, self.masked, self.levels)
 
 
 @dataclass(frozen=True)
@@ -324,8 +325,8 @@ class OccluderGrid:
     """What hides, as the optical depth of cells of voxels: a 3-D texture that the sampler interpolates.
 
     ``cells`` of them along x, y and z, of ``block`` voxels each, with a mean side ``cell_world``; what ``clips`` cut away hides
-    nothing. By colour: with ``tint`` 1 a medium hides nothing of its own. Made on the device by the layer's stages; see
-    ``wgsl/passes/occluders.wgsl``.
+    nothing. By colour: with ``tint`` 1 a medium hides nothing of its own. ``asked`` is how many cells were asked for along the
+    longest side. Made on the device by the layer's stages; see ``wgsl/passes/occluders.wgsl``.
     """
 
     cells: tuple[int, int, int]
@@ -333,6 +334,7 @@ class OccluderGrid:
     cell_world: float
     clips: tuple[Clip, ...] = ()
     tint: float = 0.0
+    asked: int = 64
 
 
 @dataclass(frozen=True)
@@ -352,7 +354,7 @@ class ShadowGrid:
     """Share of each light, by colour, that reaches cells, as a 3-D texture that the sampler interpolates.
 
     Cells have one more all round them; lights, each by its kind and where it comes from, lie one behind the other along z.
-    Made on the device; see ``wgsl/passes/shadow_sweep.wgsl`` and ``shadow_rays.wgsl``.
+    Made on the device; see ``wgsl/passes/shadow_sweep.wgsl``, ``shadow_rays.wgsl`` and ``shadow_beside.wgsl``.
     """
 
     occluders: OccluderGrid

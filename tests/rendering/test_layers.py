@@ -125,12 +125,12 @@ def test_directions_of_one_volume_are_lit_for_each_layer(renderer):
 @pytest.mark.parametrize(
     "stage", [al.visibility.AmbientOcclusion(cells=12, directions=24), al.visibility.ShadowVolume(cells=12)]
 )
-def test_light_is_dimmed_in_each_layer_by_its_own_volume(renderer, stage):
+def test_light_is_dimmed_by_all_layers(renderer, stage):
     """Beside a layer that nothing dims, and one that nothing lights."""
     dimmed = al.Look(visibility=stage, shade=al.shade.BlinnPhong(ambient=1.0, diffuse=0.5))
     both = large(look=dimmed, density=5.0), small(look=dimmed, density=5.0)
     image = compare(renderer, scene(*both, inside()))
-    assert image.stats["several"]["visibility"] == "of each layer by its own volume"
+    assert image.stats["several"]["visibility"] == "by all layers"
     plain = al.Look(shade=dimmed.shade)
     bright = renderer.render(scene(*(replace(one, look=plain) for one in both), inside()), SIZE)
     assert (bright.rgba - image.rgba)[..., :3].max() > 0.1
@@ -181,10 +181,33 @@ def test_what_is_kept_is_that_of_the_layer_that_was_met(any_renderer, look):
         picked = image.pick(column, row)
         assert picked.layer == image.hits.layer[row, column]
         np.testing.assert_allclose(image.normal[row, column], picked.normal, atol=0.02)
-    with pytest.raises(al.errors.DataError, match="scene has 3 visible layers, and surfaces of one are lit again"):
-        any_renderer.relight(image, drawn)
-    with pytest.raises(al.errors.DataError, match="image has 3 visible layers"):
-        any_renderer.relight(image, scene(large(look=look)))
+
+
+def test_surfaces_of_layers_are_lit_again(any_renderer):
+    """Each in its own colours and by its own material, whatever is not drawn lies between them in the list."""
+    first = scene(large(look=FIRST_HIT), large(density=0.0, look=FIRST_HIT), small(look=FIRST_HIT))
+    image = any_renderer.render(first, SIZE, keep_hits=True)
+    shiny = replace(FIRST_HIT, shade=al.shade.BlinnPhong(ambient=0.4, specular=0.7, shininess=5))
+    other = scene(
+        large(look=replace(FIRST_HIT, shade="none")),
+        large(density=0.0, look=FIRST_HIT),
+        small(look=shiny, transfer=GREEN),
+        lights=[al.Light.directional(to_light=(0.2, 1, 1), color=(1, 0.8, 0.6))],
+    )
+    again, anew = any_renderer.relight(image, other), any_renderer.render(other, SIZE)
+    assert set(np.unique(image.hits.layer[image.hits.side > 0])) == {0, 2}
+    assert np.abs(again.rgba - anew.rgba).max() < 2e-4
+    np.testing.assert_array_equal(again.depth, anew.depth)
+    assert np.abs(again.rgba - image.rgba).max() > 0.1
+    assert again.stats["samples"] == 0
+    for changed in (scene(large(look=FIRST_HIT)), scene(*(replace(one, density=1.0) for one in first.layers))):
+        with pytest.raises(al.DataError, match="scene shows other layers than the image"):
+            any_renderer.relight(image, changed)
+    moved = replace(
+        other, layers=[*other.layers[:2], replace(small(look=FIRST_HIT), clips=[al.Clip.sphere(center=(9, 9, 9), radius=4)])]
+    )
+    with pytest.raises(al.DataError, match="another clip"):
+        any_renderer.relight(image, moved)
 
 
 def test_surfaces_of_functions_and_sums(renderer):

@@ -281,6 +281,23 @@ def test_four_layers_are_the_nearest_four(renderer):
     assert error[: int(0.985 * error.size)].max() <= 1 / 255
 
 
+@pytest.mark.parametrize("camera", ["perspective", "orthographic"])
+def test_meshes_beside_the_volume_are_seen(renderer, camera):
+    # Pixels in which nothing is are left out: neither blocks that hold something nor meshes.
+    volume = blobs()
+    right, up, _ = cameras(volume)[camera].basis()
+    reach = 0.5 * max(np.ptp(volume.corners_world(), axis=0))
+    beside = [
+        ball(3.0, MIDDLE + reach * (a * right + b * up), opacity=o) for a, b, o in ((-1, 0.6, 1), (1, 0, 0.5), (0.2, -1, 0.5))
+    ]
+    scene = with_meshes(*beside, camera=camera)
+    image, plain = renderer.render(scene, SIZE), renderer.render(scene, SIZE, skip="none")
+    assert np.abs(image.rgba - plain.rgba).max() <= 1 / 255
+    assert image.stats["meshes"]["layer_pixels"] == plain.stats["meshes"]["layer_pixels"]
+    assert image.stats["samples"] < plain.stats["samples"]
+    compare(renderer, scene)
+
+
 def test_images_larger_than_a_texture(renderer, monkeypatch):
     from airlight.rendering import rasterised
 

@@ -15,7 +15,7 @@ from airlight import reference
 from airlight.errors import LimitError, StageError
 from airlight.reference import half_angle
 from airlight.reference import shadows as truth
-from airlight.rendering import occlusion, shadows
+from airlight.rendering import occluders, shadows
 from airlight.stages.transport import Coloured
 
 LEVEL = 1 / 255
@@ -226,9 +226,9 @@ def test_lights_share_a_texture(renderer):
 
 def test_made_anew_for_another_light_only(monkeypatch):
     made, gathered = [], []
-    make, gather = shadows._made, occlusion._gathered
+    make, gather = shadows._made, occluders._gathered
     monkeypatch.setattr(shadows, "_made", lambda *given: made.append(1) or make(*given))
-    monkeypatch.setattr(occlusion, "_gathered", lambda *given: gathered.append(1) or gather(*given))
+    monkeypatch.setattr(occluders, "_gathered", lambda *given: gathered.append(1) or gather(*given))
     with al.Renderer() as renderer:
         base = shaded(blobs(), function(), SIDE)
         renderer.render(base, SIZE)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from types import SimpleNamespace
 
@@ -30,6 +30,13 @@ DRIVERS = {
     "interpolated": al.driver.InterpolatedSlices(),
     "stripes": al.driver.Stripes(),
     "object stripes": al.driver.Stripes(aligned="object", axis="x"),
+}
+FILTERS = {
+    "nearest": al.field.Nearest(),
+    "bspline": al.field.BSpline(),
+    "mitchell": al.field.Mitchell(),
+    "windowed_sinc": al.field.WindowedSinc(radius=2),
+    "kernel_body": al.field.KernelBody(),
 }
 ISO = al.integrate.FirstHit(iso=70.0)
 
@@ -92,23 +99,38 @@ def test_an_axis_of_one_voxel_is_one_layer(renderer, shape):
         assert np.abs(stack.rgba - grid.rgba).max() <= LEVEL / 8
 
 
-@pytest.mark.parametrize("channels", [1, 6])
-def test_gaps_and_channels_lie_in_stacks_too(any_renderer, channels):
+@pytest.mark.parametrize(
+    ("channels", "field", "name"),
+    [
+        (1, "linear", "linear_masked"),
+        (6, "linear", "linear_channels_masked"),
+        (1, "bspline", "bspline_exact"),
+        (1, "preclassified", "preclassified_masked"),
+    ],
+)
+def test_gaps_and_channels_lie_in_stacks_too(any_renderer, channels, field, name):
     """Six channels, in two groups of four, each with a gap of its own; one channel with gaps."""
     parts = [np.roll(sheared().array, number, axis=number % 3) for number in range(channels)]
     for number, part in enumerate(parts):
         part[5:8, number : number + 3, 4:9] = np.nan
     array = np.stack(parts) if channels > 1 else parts[0]
     volume = al.Volume(array, world_from_index=sheared_matrix())
+    mixes = {"transfer": "postclassified"} if channels > 1 else {}
+    look = al.Look(field=field, shade="none", **mixes)
     functions = [function()] * channels if channels > 1 else function()
-    images = []
-    for field in ("stack", "linear"):
-        look = al.Look(field=field, shade="none", transfer="postclassified")
-        drawn = al.Scene(volume, transfer=functions, camera=camera_from(volume, SIDES["x"]), look=look, background=None)
-        images.append(any_renderer.render(drawn, SIZE))
+    drawn = al.Scene(volume, transfer=functions, camera=camera_from(volume, SIDES["x"]), look=look, background=None)
+    images = [any_renderer.render(drawn, SIZE, driver=driver) for driver in (al.driver.Stripes(axis="y"), "slices")]
     assert np.abs(images[0].rgba - images[1].rgba).max() <= LEVEL / 8
-    field = images[0].stats["layers"][0]["stages"]["field"]
-    assert field == ("stack_channels_masked" if channels > 1 else "stack_masked")
+    assert [image.stats["layers"][0]["stages"]["field"] for image in images] == [name, name]
+
+
+def test_several_channels_lie_in_layers(renderer):
+    """By the texture unit, groups one behind the other."""
+    volume = al.Volume(np.stack([np.roll(sheared().array, n, axis=n % 3) for n in range(6)]), world_from_index=sheared_matrix())
+    look = al.Look(transfer="postclassified")
+    drawn = al.Scene(volume, transfer=[function()] * 6, camera=camera_from(volume, SIDES["x"]), look=look, background=None)
+    images = [renderer.render(drawn, SIZE, driver=driver).rgba for driver in (al.driver.Stripes(axis="y"), "slices")]
+    assert np.abs(images[0] - images[1]).max() <= LEVEL / 8
 
 
 @given(size=st.tuples(*[st.integers(1, 5)] * 3), axis=st.integers(0, 2))
@@ -135,10 +157,53 @@ def test_too_many_layers_are_refused_before_anything_is_uploaded():
         check_layers(device, Stack(sheared(), (0,), 0, True, axis=0), 1)
 
 
-def test_other_fields_are_refused_by_name(renderer):
-    for driver, field in (("object_slices", "bspline"), ("interpolated_slices", "nearest"), ("stripes", "levels")):
-        with pytest.raises(StageError, match=rf"driver '{driver}' .* the field is {field}"):
-            renderer.render(seen(field=field), SIZE, driver=driver)
+class Own(al.field.Field):
+    """A field from outside: the mean of two places half a voxel apart."""
+
+    name = "own"
+    filtered = True
+    wgsl = """
+import generated::layer::layer;
+import generated::sizes::Values;
+import package::ray::INFINITE;
+import slot::voxels::sample_at;
+struct Place { p_index: vec3f }
+fn locate(p_index: vec3f) -> Place { return Place(p_index); }
+fn field_value(place: Place) -> Values {
+  let mean = (sample_at(place.p_index - 0.25).r + sample_at(place.p_index + 0.25).r) / 2.0;
+  return mean * layer.value_scale + layer.value_offset;
+}
+fn extent(place: Place, direction: vec3f) -> f32 { return INFINITE; }
+"""
+
+
+class Inward(Own):
+    """A field that looks into the texture itself."""
+
+    name = "inward"
+    wgsl = Own.wgsl.replace("slot::voxels::sample_at", "generated::inward::grid")
+
+
+def test_fields_from_outside_are_read_from_layers(renderer):
+    own, inward = (dataclass(frozen=True)(one)() for one in (Own, Inward))
+    drawn = seen("y", field=own)
+    march, layers = (renderer.render(drawn, SIZE, driver=driver).rgba for driver in ("slices", al.driver.Stripes(axis="x")))
+    assert np.abs(march - layers).max() <= LEVEL / 8
+    with pytest.raises(StageError, match=r"look.field 'inward' looks into the grid's 3-D texture itself.*slot::voxels"):
+        renderer.render(seen("y", field=inward), SIZE, driver="stripes")
+
+
+@pytest.mark.parametrize("way", SIDES)
+def test_coarser_levels_are_read_from_layers(renderer, way):
+    """Pixels as wide as two, or about six voxels; layers of each axis, whose numbers differ."""
+    for bias in (1.0, 2.6):
+        drawn = seen("y", field=al.field.Levels(bias=bias), gradient="analytic")
+        driver = al.driver.Stripes(axis=way)
+        slices, stripes = (renderer.render(drawn, SIZE, driver=one) for one in ("slices", driver))
+        assert np.abs(slices.rgba - stripes.rgba).max() <= LEVEL
+        assert np.abs(stripes.rgba - truth_of(drawn, driver)).max() <= LEVEL / 8
+    fine = renderer.render(seen("y", gradient="analytic"), SIZE, driver="stripes").rgba
+    assert np.abs(fine - stripes.rgba).max() > 10 * LEVEL
 
 
 # -- drivers
@@ -159,6 +224,26 @@ def test_slices_over_stacks_agree_with_the_reference(renderer, look, driver):
         drawn = seen(way, is_flat, **look)
         image = renderer.render(drawn, SIZE, driver=DRIVERS[driver])
         assert np.abs(image.rgba - truth_of(drawn, DRIVERS[driver])).max() <= LEVEL
+
+
+@pytest.mark.parametrize("field", [*FILTERS, "bspline through samples"])
+def test_filters_are_read_from_layers(any_renderer, field):
+    """Lit by their own derivatives; parallel rays, so that samples lie where those of the march do."""
+    made = FILTERS.get(field, al.field.BSpline(prefilter=True))
+    gradient = "analytic" if made.differentiable else "central"
+    drawn = seen((0.3, 1.0, 0.5), True, field=made, gradient=gradient)
+    march, stripes = (any_renderer.render(drawn, SIZE, driver=driver) for driver in ("march", al.driver.Stripes(axis="x")))
+    assert np.abs(march.rgba - stripes.rgba).max() <= LEVEL / 2
+    assert stripes.stats["layers"][0]["stacks"]["drawn"] == "x"
+    assert march.stats["layers"][0]["stages"]["field"] == stripes.stats["layers"][0]["stages"]["field"]
+
+
+@pytest.mark.parametrize("field", FILTERS)
+def test_filters_on_layers_agree_with_the_reference(renderer, field):
+    drawn = seen("x", field=FILTERS[field], gradient="analytic" if FILTERS[field].differentiable else "central")
+    for driver in (DRIVERS["object"], DRIVERS["interpolated"]):
+        image = renderer.render(drawn, SIZE, driver=driver)
+        assert np.abs(image.rgba - truth_of(drawn, driver)).max() <= LEVEL
 
 
 @pytest.mark.parametrize(

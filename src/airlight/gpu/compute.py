@@ -162,8 +162,8 @@ def clear(device: Device, target: Any) -> None:
     device.queue.submit([encoder.finish()])
 
 
-def repeat(device: Device, row: npt.NDArray[Any], count: int, target: Any) -> None:
-    """Fill the first bytes of a buffer with a row so many times, from a buffer that is kept for the next frame."""
+def repeat(device: Device, row: npt.NDArray[Any], count: int, target: Any, first_byte: int = 0) -> None:
+    """Fill bytes of a buffer with a row so many times, from a buffer that is kept for the next frame."""
     usage = wgpu.BufferUsage
 
     def make() -> Any:
@@ -173,7 +173,7 @@ def repeat(device: Device, row: npt.NDArray[Any], count: int, target: Any) -> No
 
     source = device.kept.get(("repeated", row.tobytes(), count), make)
     encoder = device.gpu.create_command_encoder()
-    encoder.copy_buffer_to_buffer(source, 0, target, 0, row.nbytes * count)
+    encoder.copy_buffer_to_buffer(source, 0, target, first_byte, row.nbytes * count)
     device.queue.submit([encoder.finish()])
 
 

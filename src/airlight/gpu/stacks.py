@@ -6,10 +6,11 @@ import numpy as np
 import wgpu
 
 from ..errors import LimitError
+from ..reconstruction.levels import coarser
 from ..stage import Stack
 from ..volume import AnyArray
 from .device import Device
-from .textures import CHUNK_BYTES, Progress, VolumeTexture, encodings_of, texel_width, texels_of
+from .textures import CHUNK_BYTES, Progress, VolumeTexture, encodings_of, texel_width, texels_of, write_level
 
 AXES = "xyz"
 
@@ -28,7 +29,10 @@ def upload_stack(device: Device, stack: Stack, progress: Progress) -> VolumeText
     encodings, wide = encodings_of(device, stack), texel_width(stack)
     usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
     size = (width, height, layers * len(groups))
-    texture = device.gpu.create_texture(size=size, dimension="2d", format=encodings[0].format, usage=usage)
+    levels = max(width, height).bit_length() if stack.levels else 1
+    texture = device.gpu.create_texture(
+        size=size, dimension="2d", format=encodings[0].format, usage=usage, mip_level_count=levels
+    )
     row = width * wide * np.dtype(encodings[0].dtype).itemsize
     at_once = max(1, CHUNK_BYTES // max(1, row * height))
     for group, channels in enumerate(groups):
@@ -44,7 +48,14 @@ def upload_stack(device: Device, stack: Stack, progress: Progress) -> VolumeText
                 (width, height, len(part)),
             )
             progress(f"upload layers along {AXES[stack.axis]}", begin + len(part), size[2])
-    return VolumeTexture(texture, encodings, row * height * size[2])
+    samples_a_layer = width * height
+    if stack.levels:
+        finest = stack.volume.grid(stack.channels[0], stack.time)
+        for number, level in zip(range(1, levels), coarser(finest), strict=False):
+            write_level(device, texture, number, layered(level, stack.axis), encodings[0])
+            progress("levels", number, levels - 1)
+        samples_a_layer = sum(max(1, width >> n) * max(1, height >> n) for n in range(levels))
+    return VolumeTexture(texture, encodings, row // width * samples_a_layer * size[2])
 
 
 def turned(size: tuple[int, int, int], axis: int) -> tuple[int, int, int]:

@@ -169,13 +169,18 @@ def _write_levels(device: Device, grid: Grid, texture: Any, encoding: Encoding, 
     last = len(level_sizes(grid.volume.size)) - 1
     for number, level in enumerate(coarser(grid.volume.grid(grid.channels[0], grid.time)), 1):
         progress("levels", number, last)
-        part = np.ascontiguousarray(encode(level, encoding))
-        device.queue.write_texture(
-            {"texture": texture, "mip_level": number},
-            part,
-            {"bytes_per_row": part.shape[2] * part.itemsize, "rows_per_image": part.shape[1]},
-            part.shape[::-1],
-        )
+        write_level(device, texture, number, level, encoding)
+
+
+def write_level(device: Device, texture: Any, number: int, level: npt.NDArray[np.float32], encoding: Encoding) -> None:
+    """Fill a coarser level of a texture with samples of one channel, slice behind slice."""
+    part = np.ascontiguousarray(encode(level, encoding))
+    device.queue.write_texture(
+        {"texture": texture, "mip_level": number},
+        part,
+        {"bytes_per_row": part.shape[2] * part.itemsize, "rows_per_image": part.shape[1]},
+        part.shape[::-1],
+    )
 
 
 def texel_width(grid: Grid) -> int:

@@ -170,7 +170,7 @@ def _exact(setup: Setup) -> Setup:
         exact["transfer"] = make_stage("transfer", "preintegrated")
     if hasattr(exact["integrate"], "opaque_at"):
         exact["integrate"] = replace(exact["integrate"], opaque_at=1.0)
-    return replace(setup, stages=exact)
+    return replace(setup, stages=exact, beside=tuple(_exact(other) for other in setup.beside))
 
 
 def prepare(scene: Scene) -> Setup:
@@ -186,7 +186,14 @@ def prepare_layers(scene: Scene) -> tuple[Setup, ...]:
     if not setups:
         raise DataError("scene.layers", "has no visible layer")
     least = min(setup.spacing_world for setup in setups)
-    return setups if len(setups) == 1 else tuple(replace(setup, least_spacing_world=least) for setup in setups)
+    if len(setups) == 1:
+        return setups
+    integrate = INTEGRATES[setups[0].stages["integrate"].name]
+    together = setups if integrate.uses_slabs or integrate.has_surface else ()
+    return tuple(
+        replace(setup, least_spacing_world=least, beside=tuple(other for other in together if other is not setup))
+        for setup in setups
+    )
 
 
 def _setup_of(scene: Scene, layer: Layer) -> Setup:

@@ -21,7 +21,7 @@ Values = tuple[FloatArray, BoolArray]
 
 def field_value(setup: Setup, p_index: FloatArray) -> Values:
     """Value of the layer's field, 0 where it is empty; of several channels NaN where they are."""
-    value, empty = FIELDS[setup.stages["field"].name](setup, p_index)
+    value, empty = FIELDS[setup.stages["field"].name](setup, looked_at(setup, p_index))
     if empty.ndim == 1:
         return value, empty
     return np.where(empty, np.nan, value), np.asarray(empty.all(axis=1))
@@ -45,14 +45,10 @@ def linear(setup: Setup, p_index: FloatArray) -> Values:
     return np.where(empty, 0.0, value), empty
 
 
-def stack(setup: Setup, p_index: FloatArray) -> Values:
-    """Interpolate in layers: as ``linear`` does, or without ``between`` the layers what the nearest one has."""
-    stage = setup.stages["field"]
-    return linear(setup, p_index if stage.between else on_layers(setup, p_index))
-
-
-def on_layers(setup: Setup, p_index: FloatArray) -> FloatArray:
-    """Points (n, 3) moved to the nearest layer."""
+def looked_at(setup: Setup, p_index: FloatArray) -> FloatArray:
+    """Points (n, 3), for fields that do not interpolate between layers of 2-D textures moved to the nearest one."""
+    if getattr(setup.stages["field"], "between", True):
+        return p_index
     axis = setup.stages["field"].axis
     number = facing_layers(setup.layer.volume, setup.camera, setup.size_px)[0] if axis == "auto" else "xyz".index(axis)
     moved = p_index.copy()
@@ -66,9 +62,7 @@ def field_scalar(setup: Setup, p_index: FloatArray) -> Values:
     Of a mixture it is a weighted sum of its channels, each held where it is seen; of other functions the first channel.
     """
     if setup.stages["field"].name in ("preclassified", "preclassified_masked"):
-        return linear(setup, p_index)
-    if setup.stages["field"].name == "preclassified_stack":
-        return stack(setup, p_index)
+        return linear(setup, looked_at(setup, p_index))
     if setup.stages["field"].name == "occupancy":
         return mixed_opacity(setup, p_index)
     value, empty = field_value(setup, p_index)
@@ -100,11 +94,6 @@ def preclassified(setup: Setup, p_index: FloatArray) -> Values:
     if not weighted:
         value[:, :3] *= value[:, 3:]
     return np.where(empty[:, None], 0.0, value), empty
-
-
-def preclassified_stack(setup: Setup, p_index: FloatArray) -> Values:
-    """The same in layers."""
-    return preclassified(setup, p_index if setup.stages["field"].between else on_layers(setup, p_index))
 
 
 @np.errstate(under="ignore")
@@ -151,12 +140,7 @@ FIELDS: dict[str, Callable[[Setup, FloatArray], Values]] = {
     "linear_channels": linear,
     "linear_exact_channels": linear,
     "linear_channels_masked": linear,
-    "stack": stack,
-    "stack_exact": linear,
-    "stack_masked": linear,
-    "stack_channels": linear,
-    "stack_channels_masked": linear,
+    "stack": linear,
     "preclassified": preclassified,
     "preclassified_masked": preclassified,
-    "preclassified_stack": preclassified_stack,
 }

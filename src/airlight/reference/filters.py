@@ -256,7 +256,7 @@ def cell_slopes(grid: FloatArray, p_index: FloatArray) -> FloatArray:
 
 LINEAR = (
     *("linear", "linear_exact", "linear_masked", "linear_channels", "linear_exact_channels", "linear_channels_masked"),
-    *("stack", "stack_exact", "stack_masked", "stack_channels", "stack_channels_masked"),
+    "stack",
 )
 SEPARABLE = ("bspline", "bspline_exact", "catmull_rom", "mitchell", "windowed_sinc", "kernel")
 

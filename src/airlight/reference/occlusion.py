@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -45,30 +47,55 @@ def openness(setup: Setup) -> FloatArray:
     """Openness of all cells: (z, y, x)."""
     depth = occluders(setup)
     z, y, x = np.indices(depth.shape).reshape(3, -1)
-    return seen_from(setup, depth, np.stack([x, y, z], axis=1).astype(np.float64)).reshape(depth.shape)
+    others = [(other, occluders(other)) for other in hiding_beside(setup)]
+    return seen_from(setup, depth, np.stack([x, y, z], axis=1).astype(np.float64), others).reshape(depth.shape)
+
+
+def hiding_beside(setup: Setup) -> list[Setup]:
+    """Return the other layers, with cells as the layer's own stage asks for them."""
+    stage = setup.stages["visibility"]
+    return [replace(other, stages={**other.stages, "visibility": stage}, once={}) for other in setup.beside]
 
 
 @np.errstate(under="ignore")
-def seen_from(setup: Setup, depth: FloatArray, p_cell: FloatArray) -> FloatArray:
+def seen_from(
+    setup: Setup, depth: FloatArray, p_cell: FloatArray, others: Sequence[tuple[Setup, FloatArray]] = ()
+) -> FloatArray:
     """Transmittance from points (n, 3), in cells, averaged over directions all round."""
-    stage, volume, side, block = setup.stages["visibility"], setup.layer.volume, cell_side(setup), block_of(setup)
+    stage, volume, side = setup.stages["visibility"], setup.layer.volume, cell_side(setup)
     sides = np.array(volume.size) * volume.spacing
     radius = max(0.15 * float(np.linalg.norm(sides)), 2 * side) if stage.radius is None else float(stage.radius)
-    # Walk in even steps of at most a side, from one side away up to the radius, and take the middle of each.
-    steps = max(1, math.ceil((radius - side) / side))
-    step = (radius - side) / steps
-    distances = side + (np.arange(steps) + 0.5) * step
-    beyond = np.array(volume.size) / block - 0.5
+    p_world = world_of(setup, p_cell)
     total = np.zeros(len(p_cell))
     for direction in directions(stage.directions):
-        way = volume.index_from_world[:3, :3] @ direction / block
-        met = np.zeros(len(p_cell))
-        for distance in distances:
-            place = p_cell + distance * way
-            inside = ((place >= -0.5) & (place <= beyond)).all(axis=1)
-            met += np.where(inside, trilinear(depth, place), 0.0)
-        total += np.exp(-met * step / side)
+        ways = [(setup, depth), *others]
+        total += np.exp(-sum(met_between(one, cells, p_world, direction, side, radius) for one, cells in ways))
     return np.asarray(total / stage.directions)
+
+
+def met_between(
+    setup: Setup, depth: FloatArray, p_world: FloatArray, direction: FloatArray, near_world: float, far_world: float
+) -> FloatArray:
+    """Optical depth (n,) in a layer on the way from points, between two distances, in even steps of at most a cell's side.
+
+    Cells finer than those that one looks from, whose side is ``near_world``, are passed in steps of half of that.
+    """
+    volume, side, block = setup.layer.volume, cell_side(setup), block_of(setup)
+    steps = max(1, math.ceil((far_world - near_world) / max(side, near_world / 2)))
+    step = (far_world - near_world) / steps
+    beyond = np.array(volume.size) / block - 0.5
+    met = np.zeros(len(p_world))
+    for distance in near_world + (np.arange(steps) + 0.5) * step:
+        place = (setup.index_of(p_world + distance * direction) + 0.5) / block - 0.5
+        inside = ((place >= -0.5) & (place <= beyond)).all(axis=1)
+        met += np.where(inside, trilinear(depth, place), 0.0)
+    return met * step / side
+
+
+def world_of(setup: Setup, p_cell: FloatArray) -> FloatArray:
+    """Points (n, 3) of the world by cells, counted from the middle of the first."""
+    matrix = setup.layer.volume.world_from_index
+    return np.asarray(((p_cell + 0.5) * block_of(setup) - 0.5) @ matrix[:3, :3].T + matrix[:3, 3])
 
 
 def directions(count: int) -> FloatArray:

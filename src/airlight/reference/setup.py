@@ -33,6 +33,7 @@ class Setup:
     size_px: tuple[int, int] = (1, 1)
     clips: tuple[Clip, ...] = ()
     least_spacing_world: float | None = None  # of all layers of a scene, where there are several
+    beside: tuple[Setup, ...] = ()  # other layers, which hide light, too
     once: dict[str, FloatArray] = field(default_factory=dict)  # what a stage computes once for the volume, by its name
 
     @cached_property

@@ -7,7 +7,7 @@ import numpy as np
 from ..light import Light
 from ..volume import FloatArray
 from .field import trilinear
-from .occlusion import block_of, cell_side, coloured_occluders
+from .occlusion import block_of, cell_side, coloured_occluders, hiding_beside, world_of
 from .setup import Setup
 from .shade import VISIBILITIES
 
@@ -40,20 +40,36 @@ def cells_reached(setup: Setup, lamp: Light) -> FloatArray:
     stage = setup.stages["visibility"]
     if "occluders" not in setup.once:
         setup.once["occluders"] = coloured_occluders(setup, stage.tint)
-    return WAYS[stage.by](setup, setup.once["occluders"], lamp)
+    reached = WAYS[stage.by](setup, setup.once["occluders"], lamp)
+    places = world_of(setup, _middles(setup.once["occluders"]) - 0.5)
+    for other in hiding_beside(setup):
+        reached = reached * rays_from(other, coloured_occluders(other, stage.tint), _cells_of(other, places), lamp).reshape(
+            reached.shape
+        )
+    return reached
 
 
 def by_rays(setup: Setup, depth: FloatArray, lamp: Light) -> FloatArray:
     """Go from each cell to the light."""
     nz, ny, nx = (n + 2 for n in depth.shape[:3])
-    middle = np.indices((nz, ny, nx)).reshape(3, -1).T[:, ::-1].astype(np.float64) - 0.5
-    way, _ = _ways(setup, lamp, middle)
-    begin, end = _stretch(setup, middle, way)
+    return rays_from(setup, depth, _middles(depth), lamp).reshape(nz, ny, nx, 3)
+
+
+def _middles(depth: FloatArray) -> FloatArray:
+    """Middles (n, 3) of cells and of one more all round them."""
+    counts = tuple(n + 2 for n in depth.shape[:3])
+    return np.asarray(np.indices(counts).reshape(3, -1).T[:, ::-1].astype(np.float64) - 0.5)
+
+
+def rays_from(setup: Setup, depth: FloatArray, p_cell: FloatArray, lamp: Light) -> FloatArray:
+    """What comes through (n, 3) a layer to places anywhere."""
+    way, _ = _ways(setup, lamp, p_cell)
+    begin, end = _stretch(setup, p_cell, way)
     end = end if lamp.kind == "directional" else np.minimum(end, 1.0)
     meets = begin < end
-    here = np.ones((len(middle), 3))
-    here[meets] = _through(setup, depth, middle[meets], way[meets], begin[meets], end[meets])
-    return here.reshape(nz, ny, nx, 3)
+    here = np.ones((len(p_cell), 3))
+    here[meets] = _through(setup, depth, p_cell[meets], way[meets], begin[meets], end[meets])
+    return here
 
 
 def by_sweep(setup: Setup, depth: FloatArray, lamp: Light) -> FloatArray:

@@ -159,10 +159,10 @@ class _Shown:
                 self.draw_tile(smaller, fragments.most)
             return
         program, resources = self.programs["gathered"], {"fragments": fragments.triangles, "fragment_counts": fragments.counts}
+        seen = self.drawn.part_seen(clear, tile)  # the first counts for all
         for n in clear:
             told = self.drawn.uniforms(n, layers=covers.layers, is_first=n == clear[0])
-            uniforms = self.drawn.packed(program, part, f"uniforms of mesh {n}", mesh=told)
-            self.drawn.resolved(program, tile, n, {**self.bound, **resources, "uniforms": uniforms})
+            self.drawn.resolved(program, part, f"uniforms of mesh {n}", seen, n, self.bound | resources, mesh=told)
         covers.counts += self._counts()
 
     def _draw_opaque(self, tile: Tile, targets: raster.Targets) -> None:
@@ -170,8 +170,9 @@ class _Shown:
         part, program = self._part(tile), self.programs["found"]
         raster.draw(self.frame.device, targets.found, targets.opaque, self.drawn.bound("raster", numbers, part, {}))
         for n in numbers:
-            uniforms = self.drawn.packed(program, part, f"uniforms of mesh {n}", mesh=self.drawn.uniforms(n))
-            self.drawn.resolved(program, tile, n, {**self.bound, "uniforms": uniforms, "triangles": targets.found})
+            seen, resources = self.drawn.part_seen([n], tile), self.bound | {"triangles": targets.found}
+            told = self.drawn.uniforms(n)
+            self.drawn.resolved(program, part, f"uniforms of mesh {n}", seen, n, resources, mesh=told)
 
     def _counts(self) -> np.ndarray[Any, Any]:
         """Pixels with a triangle in each layer of the tile, from number 1 on."""

@@ -179,9 +179,8 @@ def relight(
     check_scene(scene)
     if image.hits is None:
         raise DataError("image", "has kept no surfaces", "render it with keep_hits=True")
-    for what, count in (("scene", len(scene.visible_layers)), ("image", len(image.hits.scene.visible_layers))):
-        if count != 1:
-            raise DataError(what, f"has {count} visible layers, and surfaces of one are lit again", "render the scene")
+    if not scene.visible_layers:
+        raise DataError("scene", "has 0 visible layers, and there is nothing to light", "render the scene")
     given = resolve(scene, image.size)
     scene, notes = annotated(given, image.size)
     check_same(image.hits, scene, image.size)

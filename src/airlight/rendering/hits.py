@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ..errors import DataError, StageError
 from ..gpu import compute
-from ..scene import Scene
+from ..scene import Layer, Scene
 from ..stages import tone as tones
 from .resources import bound_resources, pack_uniforms, uniform_values, write_lights
 
@@ -55,9 +55,7 @@ class Hits:
     @property
     def layer(self) -> npt.NDArray[np.uint8]:
         """uint8 (height, width): number of the visible layer that was met, or is the most opaque one; 0 for nothing."""
-        drawn = self.scene.drawn_layers
-        numbers = [n for n, layer in enumerate(self.scene.visible_layers) if any(layer is one for one in drawn)]
-        return np.array(numbers, dtype=np.uint8)[self.array[..., 6].astype(np.intp)]
+        return np.array(_drawn_numbers(self.scene), dtype=np.uint8)[self.array[..., 6].astype(np.intp)]
 
 
 def check_keeps(frame: MarchFrame) -> None:
@@ -105,13 +103,28 @@ def check_same(hits: Hits, scene: Scene, size_px: tuple[int, int]) -> None:
     DataError
         Names what is another.
     """
-    (one,), (other,) = hits.scene.visible_layers, scene.visible_layers
+    if _drawn_numbers(hits.scene) != _drawn_numbers(scene):
+        raise DataError("scene", "shows other layers than the image", "render it")
+    for one, other in zip(hits.scene.drawn_layers, scene.drawn_layers, strict=True):
+        found = _differs(hits.scene, one, scene, other)
+        if found:
+            raise DataError("scene", f"has another {found} than the image, whose surfaces lie elsewhere", "render it")
+
+
+def _drawn_numbers(scene: Scene) -> list[int]:
+    """Numbers, among the visible layers, of those that are drawn."""
+    drawn = scene.drawn_layers
+    return [n for n, layer in enumerate(scene.visible_layers) if any(layer is one for one in drawn)]
+
+
+def _differs(kept: Scene, one: Layer, scene: Scene, other: Layer) -> str | None:
+    """Return what moves the surfaces of a layer."""
     drawn, asked = (layer.stages(keeps_gradient=True) for layer in (one, other))
     others = {
-        "camera": hits.scene.camera != scene.camera,
+        "camera": kept.camera != scene.camera,
         "volume": one.volume is not other.volume,
         "labels": one.labels != other.labels,
-        "clip": hits.scene.clips_of(one) != scene.clips_of(other),
+        "clip": kept.clips_of(one) != scene.clips_of(other),
         "time or channel": (one.time, one.channels) != (other.time, other.channels),
         **{slot: drawn[slot] != asked[slot] for slot in ("field", "gradient", "integrate")},
     }
@@ -119,9 +132,7 @@ def check_same(hits: Hits, scene: Scene, size_px: tuple[int, int]) -> None:
     if iso is None:
         values = [getattr(layer.function, "half_extinction_value", None) for layer in (one, other)]
         others["iso-value"] = values[0] != values[1]
-    found = [name for name, differs in others.items() if differs]
-    if found:
-        raise DataError("scene", f"has another {found[0]} than the image, whose surfaces lie elsewhere", "render it")
+    return next((name for name, differs in others.items() if differs), None)
 
 
 def light_again(frame: MarchFrame, bands: Iterable[Any]) -> None:

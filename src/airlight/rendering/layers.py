@@ -50,7 +50,7 @@ def checked_layers(scene: Scene) -> tuple[Layer, ...]:
 
 
 def own_slots(layers: Sequence[Layer]) -> frozenset[str]:
-    """Slots of a ray that each of several layers fills by itself: projections, surfaces, and light dimmed by its own volume."""
+    """Slots of a ray that each of several layers fills by itself: projections, surfaces, and what dims its light."""
     if len(layers) == 1:
         return frozenset()
     integrates = [layer.look.integrate for layer in layers]
@@ -133,7 +133,7 @@ def layer_statistics(frame: MarchFrame) -> dict[str, Any]:
     way = "at samples, sharpened" if surfaces else "by straight lines between samples"
     told = {"layers": len(frame.layers), "slabs": "mixed evenly", "surfaces": way}
     dimmed = any("visibility" in layer.stages for layer in frame.layers)
-    return {"several": told | ({"visibility": "of each layer by its own volume"} if dimmed else {})}
+    return {"several": told | ({"visibility": "by all layers"} if dimmed else {})}
 
 
 def check_textures(frame: MarchFrame, program: Program) -> None:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..clips import CUTS, Solid
 from ..errors import LimitError, StageError
 from ..gpu import compute, raster
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
     from .march import MarchFrame
 
 BYTES_PER_CHANGE = 8
+INFINITE = np.float32(3.4e38).view(np.uint32)  # as `ray.wgsl` has it
+BEGINS = 0x10000000  # as `outline.wgsl` has it
 
 
 @dataclass(eq=False)
@@ -53,6 +57,12 @@ class Outlines:
         device = self.frame.device
         target = compute.storage_buffer(device, "changes", band.pixels * self.bytes_per_pixel)
         drawn = Rasterised(self.frame, [solid.closed for solid in self.solids])
+        for number, solid in enumerate(self.solids):
+            # The row of rays that pass none of its surfaces.
+            keeps = solid.cuts != "volume" or solid.keep == "outside"
+            unmet = np.array([INFINITE, 0 if keeps else BEGINS], dtype=np.uint32)
+            first_byte = BYTES_PER_CHANGE * (self.slots + 1) * band.pixels * number
+            compute.repeat(device, unmet, band.pixels, target, first_byte)
         for tile in tiles_of(self.frame, band, self.slots):
             self.frame.check()
             for number in range(len(self.solids)):
@@ -81,9 +91,9 @@ class Outlines:
             "fragments": fragments.triangles,
             "fragment_counts": fragments.counts,
             "fragment_times": compute.storage_buffer(device, "fragment times", 4 * tile.width * tile.height * self.slots),
-            "uniforms": drawn.packed(program, part, f"uniforms of outline {number}", **told),
         }
-        drawn.resolved(program, tile, number, resources)
+        seen = drawn.part_seen([number], tile)
+        drawn.resolved(program, part, f"uniforms of outline {number}", seen, number, resources, **told)
 
 
 def check_outlines(frame: MarchFrame) -> None:

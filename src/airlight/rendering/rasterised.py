@@ -21,6 +21,7 @@ from ..stage import Stage
 from ..volume import FloatArray
 from .clips import pack_clips
 from .resources import DrawnLayer, light_count, pack_uniforms, uniform_values
+from .shown import part_seen
 
 if TYPE_CHECKING:
     from .march import MarchFrame
@@ -136,6 +137,11 @@ class Rasterised:
             groups, lights = alone.field.groups(context), light_count(self.frame.scene.lights)
         return build_program(ProgramKey(root, stages, keys, outputs, extra, Switches(), device.traits, groups, lights))
 
+    def part_seen(self, numbers: Sequence[int], tile: Tile) -> Tile:
+        """Part of a tile in which there may be triangles of meshes."""
+        boxes_world = [self.meshes[number].corners_world for number in numbers]
+        return part_seen(self.frame.given.camera, boxes_world, self.frame.size_px, tile)
+
     def uniforms(self, number: int, **told: Any) -> MeshUniforms:
         """Uniforms of a mesh."""
         mesh = self.meshes[number]
@@ -212,12 +218,18 @@ class Rasterised:
         """Textures of a tile's size."""
         return raster.targets_of_size(self.frame.device, (tile.width, tile.height))
 
-    def resolved(self, program: Program, tile: Tile, number: int, resources: dict[str, Any]) -> None:
-        """Run a pass over the pixels of a tile that looks at the triangles of a mesh."""
-        device = self.frame.device
+    def resolved(
+        self, program: Program, part: FrameUniforms, name: str, seen: Tile, number: int, resources: dict[str, Any], **told: Any
+    ) -> None:
+        """Run a pass that looks at the triangles of a mesh over a part of a tile; ``told`` are uniforms by name."""
+        if not seen.width or not seen.height:
+            return
+        device, (x, y) = self.frame.device, part.tile_origin_px
+        mesh = replace(told["mesh"], seen_px=(seen.x - x, seen.y - y))
+        resources = resources | {"uniforms": self.packed(program, part, name, **told | {"mesh": mesh})}
         pipeline = compute.pipeline_of(device, program)
         groups = compute.bind_groups(device, pipeline, resources | self._corners(number))
-        compute.dispatch_pixels(device, pipeline, groups, tile.width, tile.height)
+        compute.dispatch_pixels(device, pipeline, groups, seen.width, seen.height)
 
 
 def tiles_of(frame: MarchFrame, band: Any, slots: int = 0) -> Iterator[Tile]:

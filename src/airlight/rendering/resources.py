@@ -99,7 +99,7 @@ def stack_texture(device: Device, stack: Stack, progress: textures.Progress) -> 
 
 
 def _stack_key(stack: Stack) -> tuple[Hashable, ...]:
-    return "stack", stack.channels, stack.time, stack.filtered, stack.masked
+    return "stack", stack.channels, stack.time, stack.filtered, stack.masked, stack.levels
 
 
 def held_axes(device: Device, stack: Stack) -> list[int]:
@@ -120,12 +120,13 @@ def layer_uniforms(device: Device, layer: DrawnLayer, anchor_world: FloatArray, 
     volume = layer.context.volume
     low, high = domain_index(volume.size, layer.field.cells)
     size = tuple(float(n) for n in volume.size)
-    scale, offset = 1.0, 0.0
+    scale, offset, axis = 1.0, 0.0, 2
     scales: dict[int, float] = {}
     offsets: dict[int, float] = {}
     for resource in layer.resources["field"].values():
         if isinstance(resource, Grid):
             encodings = grid_texture(device, resource, progress).encodings
+            axis = resource.axis if isinstance(resource, Stack) else axis
             scale, offset = encodings[0].scale, encodings[0].offset
             groups = needed_groups(layer.context)
             lanes = {4 * g + lane: 4 * stack + lane for g, stack in enumerate(groups) for lane in range(4)}
@@ -144,6 +145,7 @@ def layer_uniforms(device: Device, layer: DrawnLayer, anchor_world: FloatArray, 
         value_offset=offset,
         channel_scale=by_group(scales, 1.0),
         channel_offset=by_group(offsets),
+        stack_axis=axis,
     )
 
 
@@ -268,11 +270,11 @@ def _view(
         case OpennessGrid():
             from .occlusion import openness_texture  # it is made of what stands here
 
-            return openness_texture(device, resource, layer, anchor_world, progress).create_view()
+            return openness_texture(device, resource, layers, number, anchor_world, progress).create_view()
         case ShadowGrid():
             from .shadows import shadow_texture
 
-            return shadow_texture(device, resource, layer, anchor_world, progress).create_view()
+            return shadow_texture(device, resource, layers, number, anchor_world, progress).create_view()
 
 
 def _gradient_texture(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,20 +20,28 @@ from ..shader.program import (
     build_program,
 )
 from ..stage import OccluderGrid, ShadowGrid
-from ..volume import FloatArray, Volume, domain_index
-from .occlusion import LOOKS_AT_ONCE, cell_values, kept_of_layer, occluder_texture, sampled
+from ..volume import FloatArray, Volume
+from .hiding import HidingPass, cell_domain, hiders, hiding_pass
+from .occluders import Hider, cell_values, kept_of_layers, occluder_texture, sampled
 from .resources import DrawnLayer, pack_uniforms
 
+LOOKS_AT_ONCE = 1 << 22
 AROUND = 1  # cells beyond each face of the volume
 STATE_BYTES = 16
 
 Counts = tuple[int, int, int]
+Dispatches = Callable[[dict[str, Any], FloatArray], Iterator[tuple[ShadowUniforms, Counts]]]
 
 
 def shadow_texture(
-    device: Device, resource: ShadowGrid, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress
+    device: Device,
+    resource: ShadowGrid,
+    layers: tuple[DrawnLayer, ...],
+    number: int,
+    anchor_world: FloatArray,
+    progress: textures.Progress,
 ) -> Any:
-    """Texture of what comes through to cells from each light.
+    """Texture of what comes through all layers to cells of one, from each light.
 
     Raises
     ------
@@ -45,36 +53,64 @@ def shadow_texture(
         what = f"needs a texture of {' x '.join(map(str, size))} for {count} lights; {device.info.name} takes {most} a side"
         raise LimitError("look.visibility.shadow_volume", what, "take fewer cells or lights")
 
-    def make() -> Any:
-        return _made(device, resource, layer, anchor_world, progress)
+    seen = hiders(layers, number, resource.occluders)
 
-    return kept_of_layer(device, "shadows", resource, layer, make)
+    def make() -> Any:
+        return _made(device, resource, seen, anchor_world, progress)
+
+    return kept_of_layers(device, "shadows", resource, seen, make)
 
 
 def _made(
-    device: Device, resource: ShadowGrid, layer: DrawnLayer, anchor_world: FloatArray, progress: textures.Progress
+    device: Device, resource: ShadowGrid, seen: Sequence[Hider], anchor_world: FloatArray, progress: textures.Progress
 ) -> Any:
-    """Gather what hides; then go from slice to slice away from each light, or from each cell to it."""
-    grid, volume = resource.occluders, layer.context.volume
-    hides = occluder_texture(device, grid, layer, anchor_world, progress)
-    sweeps = resource.by == "sweep"
-    names = ("occluders", *(["shadow_slices"] if sweeps else []), "shadows_out")
-    root = f"passes/shadow_{resource.by}.wgsl"
-    program = build_program(ProgramKey(root, (), (), names, ("occlusion", "shadow"), Switches(), device.traits))
+    """Go from each cell to each light; or from slice to slice away from it, and from each cell through other layers alone."""
+    names: tuple[str, ...] = ("shadows_out",)
+    extra = ("occlusion", "shadow")
+    if resource.by == "rays":
+        along = hiding_pass(device, "shadow_rays", seen, seen[0], names, extra, anchor_world, progress)
+        return _filled(device, resource, seen[0], along, _rays, progress)
+    swept = _filled(device, resource, seen[0], _sweep_pass(device, seen[0], anchor_world, progress), _sweep, progress)
+    if len(seen) == 1:
+        return swept
+    names = ("shadows_before", *names)
+    beside = hiding_pass(device, "shadow_beside", seen[1:], seen[0], names, extra, anchor_world, progress)
+    beside.bound.update(sampled(device, {"shadows_before": swept}))
+    return _filled(device, resource, seen[0], beside, _rays, progress)
+
+
+def _sweep_pass(device: Device, own: Hider, anchor_world: FloatArray, progress: textures.Progress) -> HidingPass:
+    names = ("occluders", "shadow_slices", "shadows_out")
+    program = build_program(
+        ProgramKey("passes/shadow_sweep.wgsl", (), (), names, ("occlusion", "shadow"), Switches(), device.traits)
+    )
+    most = int(np.prod(np.sort(_counts(own.grid))[1:]))
+    bound = sampled(device, {"occluders": occluder_texture(device, own.grid, own.layer, anchor_world, progress)})
+    bound["shadow_slices"] = compute.storage_buffer(device, "slices of shadows", 2 * most * STATE_BYTES)
+    return HidingPass(program, bound, {})
+
+
+def _filled(
+    device: Device, resource: ShadowGrid, own: Hider, going: HidingPass, dispatches: Dispatches, progress: textures.Progress
+) -> Any:
+    """Texture that a pass fills light by light."""
+    grid, volume, cells = own.grid, own.layer.context.volume, _counts(own.grid)
     texture = gradients.written_texture(device, resource.size, "rgba16float")
-    cells = np.array(grid.cells) + 2 * AROUND
-    bound = sampled(device, {"occluders": hides}) | {"shadows_out": texture.create_view()}
-    if sweeps:
-        most = int(np.prod(np.sort(cells)[1:]))
-        bound["shadow_slices"] = compute.storage_buffer(device, "slices of shadows", 2 * most * STATE_BYTES)
-    values = {"occlusion": OcclusionUniforms(**cell_values(grid, volume))}
+    bound = going.bound | {"shadows_out": texture.create_view()}
+    values = going.values | {"occlusion": OcclusionUniforms(**cell_values(grid, volume))}
     for number, light in enumerate(resource.lights):
-        told = light_uniforms(grid, volume, layer.field.cells, light) | {"stack_z": number * int(cells[2])}
-        for part, counts in (_sweep if sweeps else _rays)(told, cells):
-            _dispatch(device, program, bound, pack_uniforms(program, FrameUniforms(), values | {"shadow": part}), counts)
+        told = light_uniforms(grid, volume, own.layer.field.cells, light) | {"stack_z": number * int(cells[2])}
+        for part, counts in dispatches(told, cells):
+            packed = pack_uniforms(going.program, FrameUniforms(), values | {"shadow": part})
+            _dispatch(device, going.program, bound, packed, counts)
         device.wait()
         progress("shadows", number + 1, len(resource.lights))
     return texture
+
+
+def _counts(grid: OccluderGrid) -> FloatArray:
+    """Cells along x, y and z, with those around."""
+    return np.array(grid.cells) + 2 * AROUND
 
 
 def light_uniforms(
@@ -88,7 +124,7 @@ def light_uniforms(
     kind, vector = light
     block, size = np.array(grid.block), np.array(volume.size)
     linear = volume.index_from_world[:3, :3] / block[:, None]
-    low, high = ((edge + 0.5) / block for edge in domain_index(volume.size, to_faces))
+    low, high = cell_domain(grid, volume, to_faces)
     place = linear @ np.array(vector)
     away = place
     if kind != "directional":
@@ -99,8 +135,8 @@ def light_uniforms(
     axis = int(np.round(np.abs(away) / max(np.abs(away).max(), 1e-30), 6).argmax())  # the first of those that are as far
     return {
         "light": (*place, float(kind != "directional")),
-        "low": tuple(low),
-        "high": tuple(high),
+        "low": low,
+        "high": high,
         "world_from_cells": volume.world_from_index[:3, :3] * block,
         "axis": axis,
         "towards": 1.0 if away[axis] > 0 else -1.0,

@@ -53,15 +53,30 @@ class Columns:
 
 
 def shown_columns(frame: MarchFrame) -> Columns | None:
-    """Return the pixels in which something may be seen of a frame's layers; None where it is not known."""
+    """Return the pixels in which something may be seen of a frame's layers and meshes; None where it is not known."""
     camera = frame.scene.camera
     told = isinstance(camera, (Perspective, Orthographic)) and keeps_black(frame.scene_stages["tone"])
     told = told and not getattr(frame.scene_stages["integrate"], "fills", False)
-    if not told or frame.keeps_hits or frame.covers.meshes or not all(told_leaps(x) for x in frame.layers):
+    if not told or frame.keeps_hits or not all(told_leaps(x) for x in frame.layers):
         return None
-    corners_px = [on_image(camera, corners_world(frame, layer), frame.size_px) for layer in frame.layers]  # type: ignore[arg-type]
-    seen = [corners for corners in corners_px if corners is not None]
-    return columns_of(np.concatenate(seen, axis=1), frame.size_px) if len(seen) == len(corners_px) else None
+    boxes_world = [corners_world(frame, layer) for layer in frame.layers]
+    boxes_world += [mesh.corners_world[:, None] for mesh in frame.covers.meshes]
+    seen = [on_image(camera, corners, frame.size_px) for corners in boxes_world]  # type: ignore[arg-type]
+    known = [corners for corners in seen if corners is not None]
+    return columns_of(np.concatenate(known, axis=1), frame.size_px) if len(known) == len(seen) else None
+
+
+def part_seen(camera: object, boxes_world: list[FloatArray], size_px: tuple[int, int], tile: Tile) -> Tile:
+    """Return the part of a tile in which what lies in boxes, of corners (8, 3), is seen; all of it where that is not known."""
+    known = isinstance(camera, (Perspective, Orthographic))
+    corners_px = on_image(camera, np.concatenate(boxes_world), size_px) if known else None  # type: ignore[arg-type]
+    if corners_px is None:
+        return tile
+    begin, end = np.array([tile.x, tile.y]), np.array([tile.x + tile.width, tile.y + tile.height])
+    low = np.clip(np.floor(corners_px.min(axis=0) - ROUNDING_PX), begin, end).astype(np.int64)
+    high = np.clip(np.ceil(corners_px.max(axis=0) + ROUNDING_PX), begin, end).astype(np.int64)
+    x, y = (int(n) for n in low)
+    return Tile(x, y, int(high[0]) - x, int(high[1]) - y)
 
 
 def corners_world(frame: MarchFrame, layer: DrawnLayer) -> FloatArray:

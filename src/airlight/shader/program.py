@@ -95,6 +95,7 @@ class LayerUniforms:
     channel_scale: Mat4f = param(None, unit="data")
     channel_offset: Mat4f = param(None, unit="data")
     first_clip: U32 = param(0)  # of those that cut this layer alone
+    stack_axis: U32 = param(2)  # along which its layers of 2-D textures lie, if it is read from such
 
 
 @dataclass(frozen=True)
@@ -213,16 +214,13 @@ class ClassifyUniforms:
 
 @dataclass(frozen=True, eq=False)
 class OcclusionUniforms:
-    """Cells of voxels, and the rays that look round from them; ``last`` is where the volume ends, in cells."""
+    """Cells of voxels, and the rays that look round from them."""
 
     block: Vec3u = param((1, 1, 1), unit="voxel")
     cells: Vec3u = param((1, 1, 1))
-    last: Vec3f = param((1.0, 1.0, 1.0), unit="cell")
     spacing: Vec3f = param((1.0, 1.0, 1.0), unit="world")
     cells_from_world: Mat3f = param(None, unit="cell/world")
     cell_world: F32 = param(1.0, unit="world")
-    step_world: F32 = param(1.0, unit="world")
-    steps: U32 = param(1)
     directions: U32 = param(1)
     tint: F32 = param(0.0)
 
@@ -263,7 +261,7 @@ class MeshUniforms:
     """A mesh, the depths between which meshes lie, how many layers of them are kept, and whether it is the first of those.
 
     ``stride`` is how many vectors a vertex has: position, normal, and colour if there are three. Triangles are numbered through
-    all meshes, from ``first_triangle`` on.
+    all meshes, from ``first_triangle`` on. ``seen_px`` is the pixel of the tile from which on pixels are looked at.
     """
 
     world_from_mesh: Mat4f = param(None)
@@ -278,6 +276,7 @@ class MeshUniforms:
     is_first: Bool = param(False)
     first_triangle: U32 = param(0)
     triangles: U32 = param(0)
+    seen_px: Vec2u = param((0, 0), unit="px")
     is_smooth: Bool = param(True)
     is_lit: Bool = param(True)
     is_opaque: Bool = param(True)
@@ -337,6 +336,7 @@ PASS_RESOURCES: dict[str, str] = {
     "occluders": "texture_3d<f32>",
     "openness_out": "texture_storage_3d<rgba16float, write>",
     "shadows_out": "texture_storage_3d<rgba16float, write>",
+    "shadows_before": "texture_3d<f32>",
     "shadow_slices": "array<vec4f>",
     "hits": "array<vec4f>",
     "chosen": "array<u32>",
@@ -574,6 +574,8 @@ def build_program(key: ProgramKey) -> Program:
                 taps = TAPS[bool(told.get("packed")), bool(told.get("masked"))]
                 slots["taps"] = (*slots.get("taps", ()), (taps, package_source(f"taps/{taps}.wgsl")))
                 voxels = "stack" if dict(stage.resources).get("grid", "").endswith("stack") else "grid"
+                if voxels == "stack":
+                    _check_reads_layers(stage.cls)
                 slots["voxels"] = (*slots.get("voxels", ()), (voxels, package_source(f"voxels/{voxels}.wgsl")))
                 asks = key.switches.skips_blocks or key.switches.crosses_even
                 is_told = asks and any(name == "leaps" for name, _ in stage.resources)
@@ -682,6 +684,14 @@ def build_program(key: ProgramKey) -> Program:
     )
     linked = link(stage_source(key.root, "driver"), slots, Generated(text, build.names, " ".join(first)))
     return Program(linked, uniforms, tuple(build.bindings), key)
+
+
+def _check_reads_layers(cls: type[Stage]) -> None:
+    """Refuse a field over layers whose device half looks into a 3-D texture itself."""
+    used = {item.name for item in parse(stage_source(cls.wgsl, cls.name)).imports if item.path[0] == "generated"}
+    if used & {"grid", "grid_sampler"}:
+        what = "looks into the grid's 3-D texture itself, and the driver reads layers of 2-D textures"
+        raise StageError(f"look.field {cls.name!r}", what, "read it by slot::voxels, or use driver='slices'")
 
 
 def _tells_bounds(field: StageKey) -> bool:

@@ -11,11 +11,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..errors import StageError
 from ..stage import Context, Stage, register, static
 from .camera import Camera
 from .driver_slices import Planes, SliceDriver, Slices
 from .field import Field  # before what is made of it
-from .field_stack import AXIS_CHOICES, AXIS_HELP, facing_layers, stacked
+from .field_stack import AXIS_CHOICES, AXIS_HELP, facing_layers, in_layers
 
 ABOVE = 1e-3  # layers, by which slices lie above them: slopes, which differ on both sides, are those of one
 LEAST_COSINE = 1e-3  # of the view to layers, for the distance of slices
@@ -26,14 +27,20 @@ class OverStack(SliceDriver):
     """Base of the drivers over stacks of 2-D textures."""
 
     def field_for(self, field: Stage, on_layers: bool) -> Field:
-        """Return the field that is read in the place of a layer's own.
+        """Return the layer's own field, over layers of 2-D textures."""
+        return self.read(field)
+
+    def read(self, field: Stage, axis: str = "auto", between: bool = True) -> Field:
+        """Return a field over layers along an axis.
 
         Raises
         ------
         StageError
-            For a field that is not trilinear interpolation.
+            When it is no field.
         """
-        return stacked(field, self.name)
+        if not isinstance(field, Field):
+            raise StageError(f"look.field {field.name!r}", "is no Field", "derive its class from airlight.field.Field")
+        return in_layers(field, axis, between)
 
 
 @register
@@ -56,7 +63,7 @@ class ObjectSlices(OverStack):
 
     def field_for(self, field: Stage, on_layers: bool) -> Field:
         """Return the field of the layers, by one fetch where samples lie on them."""
-        return stacked(field, self.name, between=not on_layers)
+        return self.read(field, between=not on_layers)
 
     def planes(self, camera: Camera, context: Context) -> Planes:
         """Return the planes of every layer, or of each n-th."""
@@ -96,7 +103,7 @@ class Stripes(OverStack):
 
     def field_for(self, field: Stage, on_layers: bool) -> Field:
         """Return the field over the one stack."""
-        return stacked(field, self.name, self.axis)
+        return self.read(field, self.axis)
 
     def planes(self, camera: Camera, context: Context) -> Planes:
         """Return the planes of slices parallel to the image, or a step apart along the view and parallel to layers."""

@@ -28,6 +28,8 @@ class Field(Stage):
         What to do about empty samples where the field would spread them.
     masked
         Whether empty samples are marked and left out.
+    looks_there_alone
+        Whether a value is what the texture unit interpolates at its own place: in layers, on one of them, a single fetch.
     """
 
     slot: ClassVar[str] = "field"
@@ -37,6 +39,7 @@ class Field(Stage):
     filtered: ClassVar[bool] = False
     differentiable: ClassVar[bool] = False
     masked: bool = False
+    looks_there_alone: ClassVar[bool] = False
 
     @property
     def support_voxels(self) -> float:
@@ -122,6 +125,7 @@ class Linear(Field):
 
     name: ClassVar[str] = "linear"
     wgsl: ClassVar[str] = "field/linear.wgsl"
+    looks_there_alone: ClassVar[bool] = True
     differentiable: ClassVar[bool] = True
     filtered: ClassVar[bool] = True
 
@@ -188,6 +192,7 @@ class PreClassified(Field):
 
     name: ClassVar[str] = "preclassified"
     wgsl: ClassVar[str] = "field/preclassified.wgsl"
+    looks_there_alone: ClassVar[bool] = True
     filtered: ClassVar[bool] = True
     weighted: bool = static(True, help="interpolate colours times extinction; without, those of clear voxels bleed")
 
@@ -238,6 +243,7 @@ class PreClassifiedMasked(PreClassified):
     name: ClassVar[str] = "preclassified_masked"
     wgsl: ClassVar[str] = "field/preclassified_masked.wgsl"
     filtered: ClassVar[bool] = False
+    looks_there_alone: ClassVar[bool] = False
     masked = True
 
 

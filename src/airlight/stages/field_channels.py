@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..stage import F32, Context, Mat4f, Vec4f, param
+from ..stage import Context, Mat4f, Vec4f, param
 from ..transfer.channels import ENDLESS, Channels, Slope
 from ..volume import FloatArray, Statistics, statistics
 from .field import Field, Linear, LinearExact, Nearest, needed_groups
@@ -24,7 +24,6 @@ class ChannelsUniforms:
     """
 
     stacked: Vec4f = param((0.0, 1.0, 2.0, 3.0))
-    slice: F32 = param(1.0, unit="1/slices")
     weight: Mat4f = param(None, unit="1/data")
     low: Mat4f = param(None, unit="data")
     high: Mat4f = param(None, unit="data")
@@ -55,9 +54,8 @@ def channels_values(context: Context) -> dict[str, Any]:
         name: by_group({lane: getattr(line, name) for lane, line in lines.items()})
         for name in ("weight", "low", "high", "nothing")
     }
-    slices = context.volume.size[2] * -(-len(context.channels) // 4)
     a, b, c, d = (float(g) for g in (*stacked, 0, 0, 0)[:4])
-    return {"stacked": (a, b, c, d), "slice": 1.0 / slices, **parts}
+    return {"stacked": (a, b, c, d), **parts}
 
 
 def lanes_of(context: Context) -> tuple[int, ...]:

@@ -3,45 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from itertools import product
 from typing import Any, ClassVar
 
 import numpy as np
 
-from ..errors import StageError
-from ..stage import U32, ClassifiedGrid, Context, Resource, Stack, Stage, param, register, static
+from ..stage import ClassifiedGrid, Context, Grid, Resource, Stack, Stage, register, static, value
 from ..volume import Volume, domain_index
 from .camera import Camera, point_of
-from .field import Field, Linear, LinearExact, PreClassified
-from .field_channels import ChannelsUniforms, OfChannels, channels_values
+from .field import Field, Linear
 from .view_rays import bounding_rays
 
 AXES = ("x", "y", "z")
 AXIS_CHOICES = ("auto", *AXES)
 AXIS_HELP = "axis of the grid along which layers lie; auto: the one that the view runs along most"
+BETWEEN_HELP = "interpolate between layers, by a second fetch"
 
 
-@dataclass(frozen=True)
-class StackUniforms:
-    """The axis along which layers lie."""
+@dataclass(frozen=True, kw_only=True)
+class InLayers(Field):
+    """What makes a field one over layers: it has the stack of the frame's axis alone on the device, in the place of its grid.
 
-    axis: U32 = param(2)
+    ``in_layers`` adds it to any field whose device half reads the grid through ``slot::voxels``. Without ``between`` what the
+    texture unit interpolates is that of the nearest layer.
+    """
 
-
-@dataclass(frozen=True, eq=False)
-class StackChannelsUniforms(ChannelsUniforms):
-    """The same beside what fields of several channels have."""
-
-    axis: U32 = param(2)
-
-
-class OfStack(Field):
-    """Base of the fields over layers: it has the stack of the frame's axis alone on the device."""
-
-    uniform_type: ClassVar[type | None] = StackUniforms
-    axis: str
+    axis: str = value("auto", help=AXIS_HELP)
+    between: bool = value(True, help=BETWEEN_HELP)
 
     def chosen_axis(self, context: Context) -> int:
         """Return the number of the axis along which layers lie in this frame."""
@@ -50,142 +40,77 @@ class OfStack(Field):
         return 2 if context.camera is None else facing_layers(context.volume, context.camera, context.size_px)[0]
 
     def resources(self, context: Context) -> Mapping[str, Resource]:
-        """Return the stack of the layer's channels and time step."""
-        axis = self.chosen_axis(context)
-        return {"grid": Stack(context.volume, context.channels, context.time, self.filtered, self.masked, axis=axis)}
+        """Return those of the field, with the stack in the place of the grid, also where tables are made of its voxels."""
+        found = dict(super().resources(context))
+        grid = found.get("grid")
+        if isinstance(grid, Grid):
+            axis = self.chosen_axis(context)
+            stack = Stack(**{one.name: getattr(grid, one.name) for one in fields(Grid)}, axis=axis)
+            found["grid"] = stack
+            for name, made in found.items():
+                if isinstance(made, ClassifiedGrid) and made.grid == grid and isinstance(made.field, Field):
+                    found[name] = replace(made, grid=stack, field=in_layers(made.field, AXES[axis]))
+        return found
 
-    def uniforms(self, context: Context) -> Any:
-        """Return the axis."""
-        return StackUniforms(self.chosen_axis(context))
+    def variant(self, context: Context) -> dict[str, bool]:
+        """Return how voxels are read."""
+        return {**super().variant(context), "between": self.between}
 
     def for_empty(self) -> Field:
-        """Return the field over marked samples."""
-        return StackMasked(axis=self.axis)
+        """Return the field over marked samples, in layers."""
+        return in_layers(super().for_empty(), self.axis, self.between)
 
     def for_channels(self) -> Field:
-        """Return the field of several channels."""
-        return StackChannels(axis=self.axis)
+        """Return the field of several channels, in layers."""
+        return in_layers(super().for_channels(), self.axis, self.between)
+
+    def converging(self) -> Field:
+        """Return the field for pictures of a known error, in layers."""
+        found: Stage = super().converging()
+        assert isinstance(found, Field)
+        return in_layers(found, self.axis, self.between)
 
 
 @register
 @dataclass(frozen=True)
-class LinearStack(OfStack, Linear):
+class LinearStack(InLayers, Linear):
     """Linear interpolation in layers of 2-D textures: bilinear in a layer by the texture unit, and between two of them.
 
-    Engel and Ertl, section 4 and figure 15. It gives what ``linear`` gives; drivers of object-aligned slices put it in the
-    place of that, and there is little reason to choose it by oneself. Without ``between`` a place has the value that the
+    Engel and Ertl, section 4 and figure 15. It gives what ``linear`` gives; drivers of object-aligned slices read every field
+    in layers by themselves, and there is little reason to choose it. Without ``between`` a place has the value that the
     nearest layer has there, by one fetch. For each axis that has been needed a stack is on the device, as large as the volume.
     """
 
     name: ClassVar[str] = "stack"
-    wgsl: ClassVar[str] = "field/stack.wgsl"
     axis: str = static("auto", choices=AXIS_CHOICES, help=AXIS_HELP)
-    between: bool = static(True, help="interpolate between layers, by a second fetch")
-
-    def converging(self) -> Field:
-        """Return the field whose weights are exact."""
-        return StackExact(axis=self.axis)
+    between: bool = static(True, help=BETWEEN_HELP)
 
 
-@dataclass(frozen=True)
-class StackExact(OfStack, LinearExact):
-    """Linear interpolation in layers in the shader, in full precision."""
+def in_layers(field: Field, axis: str = "auto", between: bool = True) -> Field:
+    """Return a field over layers in the place of one over a grid: the same one, of the same name.
 
-    name: ClassVar[str] = "stack_exact"
-    axis: str = static("auto", choices=AXIS_CHOICES, help=AXIS_HELP)
-
-
-@dataclass(frozen=True)
-class StackMasked(StackExact):
-    """The same of the samples that are there; empty where less than half of the weight is."""
-
-    name: ClassVar[str] = "stack_masked"
-    masked = True
-
-
-@dataclass(frozen=True)
-class StackChannels(OfStack, OfChannels, LinearExact):
-    """Linear interpolation in layers of several channels."""
-
-    name: ClassVar[str] = "stack_channels"
-    uniform_type: ClassVar[type] = StackChannelsUniforms
-    axis: str = static("auto", choices=AXIS_CHOICES, help=AXIS_HELP)
-
-    def uniforms(self, context: Context) -> Any:
-        """Return the places of the groups, the lines of their channels, and the axis."""
-        return StackChannelsUniforms(**channels_values(context), axis=self.chosen_axis(context))
-
-    def for_empty(self) -> Field:
-        """Return the field over marked samples."""
-        return StackChannelsMasked(axis=self.axis)
-
-
-@dataclass(frozen=True)
-class StackChannelsMasked(StackChannels):
-    """The same of the samples that are there, channel by channel."""
-
-    name: ClassVar[str] = "stack_channels_masked"
-    masked = True
-
-
-@dataclass(frozen=True)
-class PreClassifiedStack(OfStack, PreClassified):
-    """Media of the voxels, interpolated in layers."""
-
-    name: ClassVar[str] = "preclassified_stack"
-    wgsl: ClassVar[str] = "field/preclassified_stack.wgsl"
-    axis: str = static("auto", choices=AXIS_CHOICES, help=AXIS_HELP)
-    between: bool = static(True, help="interpolate between layers, by a second fetch")
-
-    def resources(self, context: Context) -> Mapping[str, Resource]:
-        """Return the samples and their media, in layers.
-
-        Raises
-        ------
-        StageError
-            When the layer's function is not one of a single value, or has surfaces.
-        """
-        classified = PreClassified.resources(self, context)["classified"]
-        stack = OfStack.resources(self, context)["grid"]
-        assert isinstance(classified, ClassifiedGrid)
-        assert isinstance(stack, Stack)
-        return {"grid": stack, "classified": replace(classified, grid=stack, field=StackVoxels(axis=self.axis))}
-
-    def for_empty(self) -> Field:
-        """Refuse marked samples."""
-        return Field.for_empty(self)
-
-    def for_channels(self) -> Field:
-        """Refuse several channels."""
-        return Field.for_channels(self)
-
-
-@dataclass(frozen=True)
-class StackVoxels(StackExact):
-    """Reader of single voxels from the layers that fields filter."""
-
-    name: ClassVar[str] = "stack_voxels"
-    filtered: ClassVar[bool] = True
-
-
-def stacked(field: Stage, driver: str, axis: str = "auto", between: bool = True) -> Field:
-    """Return the field over layers in the place of a field over a grid.
-
-    Raises
-    ------
-    StageError
-        For a field that is not trilinear interpolation of the samples.
+    Parameters
+    ----------
+    field
+        Any field; one that reads layers already comes back as it is.
+    axis
+        Along which layers lie; ``auto``: the one that the view runs along most.
+    between
+        False where samples lie on layers: fields that look there alone take one fetch.
     """
-    if isinstance(field, OfStack):
+    if isinstance(field, InLayers):
         return field
-    if type(field) is Linear:
-        return LinearStack(axis=axis, between=between)
-    if type(field) is LinearExact:
-        return StackExact(axis=axis)
-    if type(field) is PreClassified:
-        return PreClassifiedStack(field.weighted, axis=axis, between=between)
-    what = f"reads layers of 2-D textures, between which it interpolates, and the field is {field.name}"
-    raise StageError(f"driver {driver!r}", what, "use the field linear, linear_exact or preclassified, or the driver slices")
+    kind: Any = type(field)
+    given = {one.name: getattr(field, one.name) for one in fields(kind) if one.init}
+    made: Field = _over_layers(kind)(**given, axis=axis, between=between or not field.looks_there_alone)
+    return made
+
+
+@lru_cache(maxsize=256)
+def _over_layers(kind: type[Field]) -> Any:
+    """Class of the fields of a kind over layers."""
+    told = {"__doc__": kind.__doc__, "__module__": kind.__module__}
+    return dataclass(frozen=True)(type(kind.__name__, (InLayers, kind), told))
 
 
 def facing_layers(volume: Volume, camera: Camera, size_px: tuple[int, int]) -> tuple[int, float]:

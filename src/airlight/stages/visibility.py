@@ -53,10 +53,10 @@ class AmbientOcclusionUniforms:
 @register
 @dataclass(frozen=True)
 class AmbientOcclusion(Stage):
-    """Ambient light dimmed by the volume itself: the share that comes through, of light from all directions.
+    """Ambient light dimmed by what is drawn: the share that comes through all layers, of light from all directions.
 
     Transmittance from one cell away up to ``radius``, averaged over directions all round, on a coarse grid of cells that hold
-    what the function makes of their voxels; interpolated between cells. Made once for a volume and a function. A flat opaque
+    what the function makes of their voxels; interpolated between cells. Made once for volumes and functions. A flat opaque
     wall leaves half of the sky open: give the shade stage twice the ambient light, about 1, and less of the others.
     """
 
@@ -112,10 +112,10 @@ class ShadowVolumeUniforms:
 @register
 @dataclass(frozen=True)
 class ShadowVolume(Stage):
-    """Lights dimmed by the volume itself: the share of each that comes through to a place, on a coarse grid of cells.
+    """Lights dimmed by what is drawn: the share of each that comes through all layers to a place, on a coarse grid of cells.
 
     Transmittance from each cell towards each directional and point light, interpolated between cells (Behrens and Ratering
-    1998; Engel and Ertl, section 5.4). Made once for a volume, a function and the places of lights; a turned camera costs
+    1998; Engel and Ertl, section 5.4). Made once for volumes, functions and the places of lights; a turned camera costs
     nothing. Head lights cast no shadows: they come from the eye, which sees no place that they do not reach.
     """
 
@@ -187,7 +187,7 @@ def occluders_of(context: Context, cells: int, tint: float = 0.0) -> OccluderGri
     """What hides in a layer, by so many cells along its longest side."""
     block, cell_world = cells_of(context.volume, cells)
     x, y, z = (-(-n // b) for n, b in zip(context.volume.size, block, strict=True))
-    return OccluderGrid((x, y, z), block, cell_world, context.clips, tint)
+    return OccluderGrid((x, y, z), block, cell_world, context.clips, tint, cells)
 
 
 def cells_of(volume: Volume, cells: int) -> tuple[tuple[int, int, int], float]:

@@ -21,12 +21,13 @@ fn kept_from(ray: Ray, pixel: u32, t_world: f32, t_leave: f32) -> Kept { return 
 // The same of a group of clips, by the place of its first.
 fn kept_by(first: u32, ray: Ray, pixel: u32, t_world: f32, t_leave: f32) -> Kept {
   var kept = Kept(t_world, t_leave, 0u, 0u);
+  let end = clips[first].end;
   // Go on to where a clip's piece begins, until all agree: a piece may begin where another clip keeps nothing.
   loop {
     let begin = kept.begin;
     kept.end = t_leave;
     kept.far = 0u;
-    for (var i = first; i < clips[first].end; i++) {
+    for (var i = first; i < end; i++) {
       var piece: Kept;
       if (clips[i].kind == MESH) { piece = outlined_from(clips[i].list, pixel, kept.begin); } else {
         let span = piece_from(clips[i], ray, kept.begin);

@@ -1,10 +1,10 @@
 // Cubic B-spline by eight fetches: the texture unit adds each two neighbours, weighted, when it is asked at the right place
 // between them (Sigg and Hadwiger, GPU Gems 2, chapter 20).
 
-import generated::bspline::{grid, grid_sampler};
 import generated::layer::layer;
 import generated::sizes::Values;
 import package::ray::INFINITE;
+import slot::voxels::sample_at;
 
 struct Place { p_index: vec3f }
 
@@ -53,16 +53,16 @@ fn slope_pairs(p_index: vec3f) -> Pairs {
 }
 
 fn weighted(pair: Pairs) -> f32 {
-  let low = (pair.low + 0.5) * layer.inverse_size;
-  let high = (pair.high + 0.5) * layer.inverse_size;
+  let low = pair.low;
+  let high = pair.high;
   let x = vec2f(pair.low_weight.x, pair.high_weight.x);
   let near = pair.low_weight.y * dot(x, two(low.x, high.x, low.y, low.z)) + pair.high_weight.y * dot(x, two(low.x, high.x, high.y, low.z));
   let far = pair.low_weight.y * dot(x, two(low.x, high.x, low.y, high.z)) + pair.high_weight.y * dot(x, two(low.x, high.x, high.y, high.z));
   return pair.low_weight.z * near + pair.high_weight.z * far;
 }
 
-fn two(low_x: f32, high_x: f32, y: f32, z: f32) -> vec2f { return vec2f(fetched(vec3f(low_x, y, z)), fetched(vec3f(high_x, y, z))); }
-
-fn fetched(p_unit: vec3f) -> f32 { return textureSampleLevel(grid, grid_sampler, p_unit, 0.0).r; }
+fn two(low_x: f32, high_x: f32, y: f32, z: f32) -> vec2f {
+  return vec2f(sample_at(vec3f(low_x, y, z)).r, sample_at(vec3f(high_x, y, z)).r);
+}
 
 fn extent(place: Place, direction: vec3f) -> f32 { return INFINITE; }

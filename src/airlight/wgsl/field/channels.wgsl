@@ -1,14 +1,10 @@
 // What the fields of several channels share: groups of four, one behind the other along z of the texture.
 
 import generated::field::params;
-import generated::layer::layer;
 import generated::sizes::{Values, GROUPS, HAS_EMPTY};
 import package::empty::EMPTY;
 import slot::values::is_gap;
 import slot::voxels::stacked_at;
-
-// Slice of the texture in which a group of channels begins.
-fn first_slice(group: u32) -> f32 { return params.stacked[group] * layer.size.z; }
 
 // A voxel of a group.
 fn texel_of(voxel: vec3i, group: u32) -> vec4f { return stacked_at(voxel, params.stacked[group]); }

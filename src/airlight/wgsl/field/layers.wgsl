@@ -1,6 +1,6 @@
 // How the samples of a grid lie in layers of 2-D textures.
 
-import generated::field::params;
+import generated::layer::layer;
 
 // Across a layer, by both axes in it in their order, and from layer to layer.
-fn turned(p: vec3f) -> vec3f { return select(select(p, p.xzy, params.axis == 1u), p.yzx, params.axis == 0u); }
+fn turned(p: vec3f) -> vec3f { return select(select(p, p.xzy, layer.stack_axis == 1u), p.yzx, layer.stack_axis == 0u); }

@@ -1,9 +1,10 @@
 // Trilinear interpolation on pre-filtered levels, chosen by the width of a pixel at the place, and between them.
 
-import generated::field::{grid, grid_sampler, params};
+import generated::field::params;
 import generated::layer::layer;
 import generated::sizes::Values;
 import package::ray::INFINITE;
+import slot::voxels::level_at;
 
 struct Place { p_index: vec3f, level: f32 }
 
@@ -15,7 +16,7 @@ fn locate(p_index: vec3f) -> Place {
 
 fn field_value(place: Place) -> Values {
   let p_unit = (place.p_index + 0.5) * layer.inverse_size;
-  return textureSampleLevel(grid, grid_sampler, p_unit, place.level).r * layer.value_scale + layer.value_offset;
+  return level_at(p_unit, place.level).r * layer.value_scale + layer.value_offset;
 }
 
 // At the level of the place: how levels change from place to place is left out.
@@ -42,8 +43,6 @@ fn level_slopes(p_index: vec3f, level: f32) -> vec3f {
   return select(slopes * size * layer.inverse_size, vec3f(0.0), abs(p_level - p) > vec3f(1e-3));
 }
 
-fn fetched(p_level: vec3f, size: vec3f, level: f32) -> f32 {
-  return textureSampleLevel(grid, grid_sampler, (p_level + 0.5) / size, level).r;
-}
+fn fetched(p_level: vec3f, size: vec3f, level: f32) -> f32 { return level_at((p_level + 0.5) / size, level).r; }
 
 fn extent(place: Place, direction: vec3f) -> f32 { return INFINITE; }

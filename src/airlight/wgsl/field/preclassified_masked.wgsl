@@ -1,10 +1,11 @@
 // Media of the voxels that are there, their weights normalised; empty where they have less than half.
 
+import generated::field::classified;
 import generated::layer::layer;
-import generated::preclassified_masked::{grid, classified};
 import generated::sizes::Values;
 import package::empty::{EMPTY, is_empty};
 import package::ray::INFINITE;
+import slot::voxels::{made_texel_at, texel_at};
 
 struct Place { p_index: vec3f }
 
@@ -15,7 +16,7 @@ fn field_value(place: Place) -> Values {
   var sum = vec4f(0.0);
   var there = 0.0;
   for (var corner = 0u; corner < 8u; corner++) {
-    let medium = textureLoad(classified, voxel_of(cell, corner), 0);
+    let medium = made_texel_at(classified, voxel_of(cell, corner));
     if (!is_empty(medium.a)) {
       sum += medium * weight_of(cell, corner);
       there += weight_of(cell, corner);
@@ -28,7 +29,7 @@ fn field_scalar(place: Place) -> f32 {
   let cell = cell_at(place.p_index);
   var sum = vec2f(0.0);
   for (var corner = 0u; corner < 8u; corner++) {
-    let value = textureLoad(grid, voxel_of(cell, corner), 0).r;
+    let value = texel_at(voxel_of(cell, corner)).r;
     if (!is_empty(value)) { sum += vec2f(value, 1.0) * weight_of(cell, corner); }
   }
   return select(sum.x / max(sum.y, 1e-30), EMPTY, sum.y < 0.5);

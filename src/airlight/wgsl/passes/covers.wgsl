@@ -10,10 +10,11 @@ import slot::camera::eye_ray;
 
 @compute @workgroup_size(WORKGROUP_X, WORKGROUP_Y)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-  if (any(id.xy >= frame.tile_size_px)) { return; }
-  let found = textureLoad(triangles, id.xy, 0).xy;
+  let place = id.xy + params.seen_px;
+  if (any(place >= frame.tile_size_px)) { return; }
+  let found = textureLoad(triangles, place, 0).xy;
   if (found.x == 0u || found.y != params.number) { return; }
-  let pixel = frame.tile_origin_px + id.xy;
+  let pixel = frame.tile_origin_px + place;
   let cover = lit_triangle(found.x - 1u, eye_ray(vec2f(pixel) + 0.5));
   let in_band = (pixel.y - frame.band_first_row) * frame.size_px.x + pixel.x;
   let at = COVER_NUMBERS * in_band;

@@ -11,17 +11,18 @@ import slot::camera::eye_ray;
 
 @compute @workgroup_size(WORKGROUP_X, WORKGROUP_Y)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-  if (any(id.xy >= frame.tile_size_px)) { return; }
-  let met = atomicLoad(&fragment_counts[fragment_place(id.xy, 0u)]);
+  let seen = id.xy + params.seen_px;
+  if (any(seen >= frame.tile_size_px)) { return; }
+  let met = atomicLoad(&fragment_counts[fragment_place(seen, 0u)]);
   if (met > params.layers && params.is_first != 0u) { atomicAdd(&cover_counts[params.layers + 1u], 1u); }
   let count = min(met, frame.fragment_slots);
   // No loop ends by a uniform alone: software devices would compile it anew for each dispatch.
   let layers = min(met, params.layers);
-  let pixel = frame.tile_origin_px + id.xy;
+  let pixel = frame.tile_origin_px + seen;
   let at = (pixel.y - frame.band_first_row) * frame.size_px.x + pixel.x;
   let ray = eye_ray(vec2f(pixel) + 0.5);
   for (var slot = 0u; slot < count; slot++) {
-    let number = (fragments[fragment_place(id.xy, slot)] & ~FRONT) - params.first_triangle;
+    let number = (fragments[fragment_place(seen, slot)] & ~FRONT) - params.first_triangle;
     if (number >= params.triangles) { continue; }
     var cover = lit_triangle(number, ray);
     // What lies behind it moves on by one; what was last goes.

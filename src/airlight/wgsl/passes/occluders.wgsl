@@ -37,7 +37,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 // Mean extinction [1/world] of the slabs from a voxel to the next along each axis; there is none where the voxel is empty. With a
 // tint it is less for light of the slab's own colour.
 fn extinction_at(voxel: vec3u, size: vec3u) -> vec3f {
-  let front = sample_at(voxel);
+  let front = voxel_sample(voxel);
   if (is_gap(front.value) || !is_kept(front.p_index)) { return vec3f(0.0); }
   let known = know(front);
   let part = part_at(front.p_index);
@@ -45,7 +45,7 @@ fn extinction_at(voxel: vec3u, size: vec3u) -> vec3f {
   for (var axis = 0u; axis < 3u; axis++) {
     var next = voxel;
     next[axis] = min(voxel[axis] + 1u, size[axis] - 1u);
-    var back = sample_at(next);
+    var back = voxel_sample(next);
     if (is_gap(back.value)) { back = front; }
     let length = occlusion.spacing[axis];
     let slab = classify_known(front, known, back, know(back), length * part.opacity);
@@ -54,7 +54,7 @@ fn extinction_at(voxel: vec3u, size: vec3u) -> vec3f {
   return sum / 3.0;
 }
 
-fn sample_at(voxel: vec3u) -> Sample {
+fn voxel_sample(voxel: vec3u) -> Sample {
   let p_index = vec3f(voxel);
   return Sample(field_value(locate(p_index)), vec3f(0.0), p_index, vec3f(0.0), 0.0);
 }

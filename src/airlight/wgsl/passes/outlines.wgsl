@@ -14,15 +14,16 @@ import slot::camera::eye_ray;
 
 @compute @workgroup_size(WORKGROUP_X, WORKGROUP_Y)
 fn main(@builtin(global_invocation_id) id: vec3u) {
-  if (any(id.xy >= frame.tile_size_px)) { return; }
-  let met = atomicLoad(&fragment_counts[fragment_place(id.xy, 0u)]);
+  let seen = id.xy + params.seen_px;
+  if (any(seen >= frame.tile_size_px)) { return; }
+  let met = atomicLoad(&fragment_counts[fragment_place(seen, 0u)]);
   let count = min(met, frame.fragment_slots);
-  let pixel = frame.tile_origin_px + id.xy;
+  let pixel = frame.tile_origin_px + seen;
   let at = (pixel.y - frame.band_first_row) * frame.size_px.x + pixel.x;
   let ray = eye_ray(vec2f(pixel) + 0.5);
   var depth = 0;
   for (var slot = 0u; slot < count; slot++) {
-    let place = fragment_place(id.xy, slot);
+    let place = fragment_place(seen, slot);
     let triangle = triangle_of((fragments[place] & ~FRONT) - params.first_triangle);
     let p_world = point_of(triangle, shares_of(triangle, ray));
     fragment_times[place] = dot(p_world - ray.origin_world, ray.direction_world);
@@ -43,7 +44,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var next = INFINITE;
     var next_slot = 0u;
     for (var slot = 0u; slot < count; slot++) {
-      let t_world = fragment_times[fragment_place(id.xy, slot)];
+      let t_world = fragment_times[fragment_place(seen, slot)];
       let is_behind = t_world > last || (t_world == last && slot > last_slot);
       if (is_behind && t_world < next) {
         next = t_world;
@@ -52,7 +53,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     last = next;
     last_slot = next_slot;
-    let fragment = fragments[fragment_place(id.xy, next_slot)];
+    let fragment = fragments[fragment_place(seen, next_slot)];
     let before = depth > 0;
     depth += way_in(fragment);
     let inside = depth > 0;
