@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..stages.driver import gains_from_curvature
+from ..stages.driver import gains_from_curvature, may_lengthen
 from ..transfer import Channels, TransferFunction
 from ..transfer.regions import ByRegion
 from ..volume import FloatArray
@@ -66,7 +66,7 @@ def march(
     shift, step = (np.broadcast_to(np.asarray(of, dtype=np.float64), len(origin)) for of in (fraction, step_world))
     by_blocks = blocks and (integrate.has_surface or (cuts and bool(step.min() > (1 + SAME_STEP) * setup.spacing_world)))
     curved &= gains_from_curvature(setup.stages) and not (by_blocks and cuts)
-    adaptive &= hasattr(setup.stages["integrate"], "opaque_at")
+    adaptive &= may_lengthen(setup.stages, setup.function, setup.layer.labels)
     ended = np.zeros(len(origin), dtype=bool)
     # Composited slabs are put in order with meshes; what is one value of the whole ray stays whole.
     ordered = covers is not None and getattr(setup.stages["integrate"], "takes_covers", False)

@@ -35,12 +35,11 @@ from ..shader.program import (
 from ..stage import Resource, Stage
 from ..stages import tone as tones
 from ..stages.blocks import block_bounds, block_leaps
-from ..stages.driver import gains_from_curvature
+from ..stages.driver import gains_from_curvature, may_lengthen
 from ..stages.driver_slices import SliceDriver
 from ..stages.field import Linear, LinearExact
 from ..stages.passes import Pass
 from ..stages.transfer import Transfer
-from ..transfer import TransferFunction
 from ..volume import FloatArray
 from .bounding import reaches
 from .clips import first_clips, pack_clips
@@ -250,12 +249,10 @@ def draws_caps(frame: MarchFrame) -> bool:
 
 
 def is_adaptive(frame: MarchFrame) -> bool:
-    """Whether slabs get longer where little gets through: of one layer, of which samples tell what is empty at any step."""
+    """Whether slabs get longer where little gets through: of one layer."""
     asked = bool(getattr(frame.scene_stages["driver"], "adaptive", False)) and len(frame.layers) == 1
-    stage, context = frame.layers[0].stages["transfer"], frame.layers[0].context
-    told = context.labels is None and isinstance(context.transfer, TransferFunction)
-    attenuates = hasattr(frame.scene_stages["integrate"], "opaque_at")
-    return asked and attenuates and told and not getattr(stage, "has_surfaces", False)
+    layer = frame.layers[0]
+    return asked and may_lengthen(frame.stages_of(layer), layer.context.transfer, layer.context.labels)
 
 
 def is_curved(frame: MarchFrame) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..stage import F32, Context, Resource, Stage, Table, param, register, static, value
+from ..transfer import TransferFunction
 from ..transfer.given import whole
 from ..volume import FloatArray
 from .offsets import INTERLEAVED, NONE, blue_noise, blue_noise_texels, fraction_of_frame
@@ -115,6 +116,15 @@ def gains_from_curvature(stages: Mapping[str, Stage]) -> bool:
     """
     wanted = (("integrate", "classifies"), ("transfer", "integrates"), ("field", "smooth"))
     return all(getattr(stages[slot], what, False) for slot, what in wanted)
+
+
+def may_lengthen(stages: Mapping[str, Stage], function: object, labels: object) -> bool:
+    """Whether slabs of a layer may be longer where little gets through: at any step its samples tell what is empty.
+
+    They do for a function of one value without surfaces; regions reach by one step.
+    """
+    told = labels is None and isinstance(function, TransferFunction) and not getattr(stages["transfer"], "has_surfaces", False)
+    return told and hasattr(stages["integrate"], "opaque_at")
 
 
 from .driver_half_angle import HalfAngle  # noqa: E402
