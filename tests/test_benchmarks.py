@@ -130,6 +130,13 @@ def test_occlusion(benchmark_named, tmp_path):
     assert default < fewest < 0.1
 
 
+def test_shaded(benchmark_named, tmp_path):
+    found = run(benchmark_named("shaded"), tmp_path / "out.json")
+    assert len(found["rows"]) == 2 * 2 * 7
+    assert all(0 < float(row["rmse"]) < 0.2 for row in found["rows"])
+    assert {row["times unlit"] for row in found["rows"] if row["lighting"] == "none"} == {1.0}
+
+
 def test_shadow_volume(benchmark_named, tmp_path):
     found = run(benchmark_named("shadow_volume"), tmp_path / "out.json")
     error = {(row["by"], row["cells"]): row["rms"] for row in found["errors"] if row["bias"] != "a cell"}
