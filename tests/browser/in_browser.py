@@ -51,3 +51,12 @@ def rested(session: Any, seconds: float = 0.5) -> Any:
             seen, since = session.inputs, time.monotonic()
         time.sleep(0.05)
     return session
+
+
+def pixel_within(image: al.Image, margin_px: int = 6) -> tuple[int, int]:
+    """Column and row of a pixel that shows something, as all around it do: finer pictures of the scene show it there, too."""
+    width_px = 2 * margin_px + 1
+    around = np.lib.stride_tricks.sliding_window_view(np.isfinite(image.depth), (width_px, width_px))
+    found = np.argwhere(around.all(axis=(2, 3))) + margin_px
+    row, column = found[len(found) // 2].tolist()
+    return column, row

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from in_browser import picture_of, rested, session_of, until
+from in_browser import picture_of, pixel_within, rested, session_of, until
 
 from airlight.scene import VIEWS
 from airlight.stages.camera import Orthographic
@@ -37,7 +37,7 @@ def test_a_drag_turns_the_picture_and_the_wheel_comes_nearer(page: Any, session:
     # A quarter of the height is an eighth of a turn about what is up.
     until(lambda: abs(session.camera.basis()[0] @ before.basis()[0] - np.sqrt(0.5)) < 1e-3)
     assert session.camera.up == before.up
-    until(lambda: picture_of(page).shape != first.shape or (picture_of(page) != first).any())
+    until(lambda: not np.array_equal(picture_of(page), first))
     distance = np.linalg.norm(np.subtract(session.camera.eye, session.camera.target))
     page.mouse.wheel(0, -240)
     until(lambda: np.linalg.norm(np.subtract(session.camera.eye, session.camera.target)) < 0.9 * distance)
@@ -74,9 +74,8 @@ def test_two_fingers_come_nearer_and_turn_about_the_view(page: Any, session: Any
 
 def test_a_double_click_makes_the_view_turn_about_what_is_there(page: Any, session: Any) -> None:
     box = page.locator("canvas.picture").bounding_box()
-    image = until(lambda: session.stream.image if session.stream.image.scene.camera == session.camera else None)
-    rows, columns = np.nonzero(np.isfinite(image.depth))
-    row, column = int(rows[len(rows) // 3]), int(columns[len(rows) // 3])
+    image = until(lambda: found if (found := session.stream.image).scene.camera == session.camera else None)
+    column, row = pixel_within(image)
     scale = box["width"] / image.size[0]
     place = box["x"] + (column + 0.5) * scale, box["y"] + (row + 0.5) * scale
     there = image.pick(column, row).p_world

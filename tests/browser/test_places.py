@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from in_browser import rested, session_of, until
+from in_browser import pixel_within, rested, session_of, until
 
 import airlight as al
 
@@ -66,18 +66,20 @@ def test_a_widget_changes_the_function_and_the_picture(page: Any, showing: Any) 
 
 
 def test_the_probe_reads_what_the_volume_holds_and_makes_a_widget(page: Any, showing: Any) -> None:
-    session = session_of(showing)
     shown = panel(page, "Probe")
-    scene = session.document.scene
-    until(lambda: session.stream.image.scene == scene and session.stream.image.size == tuple(session.size_px))
-    depth = session.stream.image.depth
-    row, column = np.argwhere(np.isfinite(depth))[np.isfinite(depth).sum() // 2].tolist()
+    session = rested(session_of(showing))
+
+    def whole_picture() -> Any:
+        image = session.stream.image
+        return image if image.scene == session.document.scene and image.size == tuple(session.size_px) else None
+
+    image = until(whole_picture)
+    column, row = pixel_within(image)
     canvas = page.locator("canvas.picture").bounding_box()
     x, y = canvas["x"] + column + 0.5, canvas["y"] + row + 0.5
     page.mouse.move(x - 1, y)
     page.mouse.move(x, y)
-    picked = session.stream.image.pick(column, row)
-    expected = float(session.document.scene.layers[0].volume.value_at(picked.p_world))
+    expected = float(image.scene.layers[0].volume.value_at(image.pick(column, row).p_world))
     words = page.locator(".probe-readout")
     until(lambda: words.is_visible() and float(words.inner_text()) == pytest.approx(expected, rel=0.02))
     # A pin, its profile, and a distance between two clicks at one place.
