@@ -88,9 +88,10 @@ def test_the_probe_reads_what_the_volume_holds_and_makes_a_widget(page: Any, sho
     until(lambda: len(session.document.scene.annotations) == 1)
     page.locator(".profile-plot").wait_for()
     shown.get_by_role("radio", name="Distance").click()
-    page.mouse.click(x, y)
-    page.mouse.click(x, y)
+    camera = session.document.camera
+    page.mouse.dblclick(x, y)
     page.get_by_text("Distance 1:").wait_for()
+    assert rested(session).document.camera == camera  # it turns about a point only where no tool is chosen
     shown.get_by_role("radio", name="Turn").click()
     page.locator("canvas.picture").focus()
     page.keyboard.press("a")

@@ -1,6 +1,7 @@
 // What pointer, fingers and wheel do above the picture, by the table of bindings that the session gives.
 import { bound, modifiersOf, travelSeconds } from "./gestures.js";
 import { layersOf } from "./layers.js";
+import { probingOf } from "./probing.js";
 
 const BUTTONS = ["left", "middle", "right"];
 const WHEEL = 0.0006; // heights of a drag for a pixel of the wheel
@@ -93,7 +94,7 @@ export function attachPointer(view) {
     if (found && dy) view.gesture({ kind: found.kind, dy, at: at(event.clientX, event.clientY) });
   };
   const twice = (event) => {
-    if (entry("double", [])?.kind !== "aim") return;
+    if (entry("double", [])?.kind !== "aim" || probingOf(view).tool()) return; // two clicks with a tool are two clicks
     const place = at(event.clientX, event.clientY);
     view.ask("aim", { at: place, seconds: travelSeconds() })
       .then((told) => view.tell("said", told.hit ? "Turns about this point." : "Nothing is shown there."))

@@ -93,7 +93,7 @@ export const panel = {
     );
     const addAround = async () => {
       await ask(true);
-      if (!around) await hereAgain(true);
+      if (!around || busy) await hereAgain(true);
       if (around?.around) add(around.around);
       else view.tell("error", { where: "widget", what: "needs a place in the volume", remedy: "point at the picture first" });
     };
@@ -286,21 +286,24 @@ export const panel = {
       if (!(visible || now) || !probed || !axes()) return null;
       return (busy ??= askHere());
     }
+    /** Until the answer is of the place probed last; answers on the way are shown, so that marks follow the pointer. */
     async function askHere() {
-      const point = probed;
-      try {
-        around = await view.ask("joint.here", {
-          p_world: point.p_world,
-          axes: axes().map(plain),
-          layer: layers.index(),
-          number: joint.shapes().length,
-        });
-      } catch {
-        around = null; // a point that another layer shows
-      }
+      let point;
+      do {
+        point = probed;
+        try {
+          around = await view.ask("joint.here", {
+            p_world: point.p_world,
+            axes: axes().map(plain),
+            layer: layers.index(),
+            number: joint.shapes().length,
+          });
+        } catch {
+          around = null; // a point that another layer shows
+        }
+        show();
+      } while (probed !== point);
       busy = null;
-      show();
-      if (probed !== point) await hereAgain();
     }
     probingOf(view);
     view.on("probed", (found) => {
